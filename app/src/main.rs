@@ -1,0 +1,2 @@
+//! sandtable
+fn main() {}

@@ -1,0 +1,239 @@
+//! Rasters cut into square tiles, each complete in itself.
+
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Cells along a tile's side; a whole tile has one post more, shared with its neighbour.
+pub const TILE_CELLS: u32 = 1 << TILE_SHIFT;
+const TILE_SHIFT: u32 = 8;
+const TILE_MASK: u32 = TILE_CELLS - 1;
+
+/// One tile's posts, row by row from its south-west corner.
+#[derive(Clone, Debug)]
+struct Tile<T> {
+    stride: usize,
+    posts: Box<[T]>,
+}
+
+/// A raster of posts in tiles of [`TILE_CELLS`]² cells. Row 0 is south.
+///
+/// Neighbouring tiles both hold the posts on their common border (papers' row H1: (2ⁿ+1)² blocks),
+/// so that any cell is read from one tile. Tiles are shared between snapshots: a clone copies no
+/// posts.
+#[derive(Clone, Debug)]
+pub struct TiledRaster<T> {
+    cols: u32,
+    rows: u32,
+    tiles_across: u32,
+    tiles: Vec<Arc<Tile<T>>>,
+}
+
+/// A tile's place: column from the west, row from the south.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TileIndex {
+    /// Column of the tile, from the west.
+    pub col: u32,
+    /// Row of the tile, from the south.
+    pub row: u32,
+}
+
+impl<T: Copy + Send + Sync> TiledRaster<T> {
+    /// Builds a raster of `cols` by `rows` posts from a function of column and row, in parallel.
+    ///
+    /// Posts on tile borders are asked for once by each tile that holds them, so the function must
+    /// give the same answer each time.
+    ///
+    /// # Panics
+    /// Where a side has fewer than 2 posts.
+    pub fn from_fn(cols: u32, rows: u32, post: impl Fn(u32, u32) -> T + Sync) -> Self {
+        assert!(
+            cols >= 2 && rows >= 2,
+            "a raster of {cols} by {rows} posts has no cell"
+        );
+        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
+        let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
+        let tiles = (0..tiles_across * tiles_up)
+            .into_par_iter()
+            .map(|index| {
+                let (col0, row0) = (
+                    index % tiles_across * TILE_CELLS,
+                    index / tiles_across * TILE_CELLS,
+                );
+                let (col1, row1) = (
+                    cols.min(col0 + TILE_CELLS + 1),
+                    rows.min(row0 + TILE_CELLS + 1),
+                );
+                let posts = (row0..row1)
+                    .flat_map(|row| (col0..col1).map(move |col| (col, row)))
+                    .map(|(col, row)| post(col, row))
+                    .collect();
+                Arc::new(Tile {
+                    stride: (col1 - col0) as usize,
+                    posts,
+                })
+            })
+            .collect();
+        Self {
+            cols,
+            rows,
+            tiles_across,
+            tiles,
+        }
+    }
+
+    /// Number of posts from west to east.
+    #[must_use]
+    pub fn cols(&self) -> u32 {
+        self.cols
+    }
+
+    /// Number of posts from south to north.
+    #[must_use]
+    pub fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// The tiles' places, in the order in which they are stored.
+    pub fn tile_indices(&self) -> impl ExactSizeIterator<Item = TileIndex> + use<T> {
+        let across = self.tiles_across;
+        (0..self.tiles.len() as u32).map(move |index| TileIndex {
+            col: index % across,
+            row: index / across,
+        })
+    }
+
+    /// All posts of one tile.
+    #[must_use]
+    pub fn tile_posts(&self, tile: TileIndex) -> &[T] {
+        &self.tiles[(tile.row * self.tiles_across + tile.col) as usize].posts
+    }
+
+    /// The posts of cell (`col`, `row`): south-west, south-east, north-west, north-east.
+    ///
+    /// # Panics
+    /// Where there is no such cell.
+    #[inline]
+    #[must_use]
+    pub fn cell(&self, col: u32, row: u32) -> [T; 4] {
+        let tile =
+            &self.tiles[((row >> TILE_SHIFT) * self.tiles_across + (col >> TILE_SHIFT)) as usize];
+        let at = (row & TILE_MASK) as usize * tile.stride + (col & TILE_MASK) as usize;
+        let south = &tile.posts[at..at + 2];
+        let north = &tile.posts[at + tile.stride..at + tile.stride + 2];
+        [south[0], south[1], north[0], north[1]]
+    }
+
+    /// The post at (`col`, `row`).
+    ///
+    /// # Panics
+    /// Where there is no such post.
+    #[must_use]
+    pub fn post(&self, col: u32, row: u32) -> T {
+        let cell = [col.min(self.cols - 2), row.min(self.rows - 2)];
+        let corner = (col - cell[0]) + 2 * (row - cell[1]);
+        self.cell(cell[0], cell[1])[corner as usize]
+    }
+
+    /// The cell that holds `(x, y)`, in posts from the south-west one, and the place within it in
+    /// [0, 1]². Points off the raster give the nearest cell's border.
+    #[inline]
+    #[must_use]
+    pub fn locate(&self, x: f64, y: f64) -> ([u32; 2], [f64; 2]) {
+        let x = x.clamp(0.0, f64::from(self.cols - 1));
+        let y = y.clamp(0.0, f64::from(self.rows - 1));
+        let col = (x as u32).min(self.cols - 2);
+        let row = (y as u32).min(self.rows - 2);
+        ([col, row], [x - f64::from(col), y - f64::from(row)])
+    }
+
+    /// Bytes held by the posts.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.tiles
+            .iter()
+            .map(|tile| size_of_val(&*tile.posts))
+            .sum()
+    }
+
+    /// A snapshot in which the posts of `cols` by `rows` (half-open) are replaced by `post`, and
+    /// the tiles that hold any of them. All other tiles are shared with `self`.
+    #[must_use]
+    pub fn edited(
+        &self,
+        cols: std::ops::Range<u32>,
+        rows: std::ops::Range<u32>,
+        post: impl Fn(u32, u32, T) -> T,
+    ) -> (Self, Vec<TileIndex>) {
+        let mut result = self.clone();
+        let mut changed = Vec::new();
+        for index in self.tile_indices() {
+            let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
+            let slot = &mut result.tiles[(index.row * self.tiles_across + index.col) as usize];
+            let height = (slot.posts.len() / slot.stride) as u32;
+            let col_range = cols.start.max(col0)..cols.end.min(col0 + slot.stride as u32);
+            let row_range = rows.start.max(row0)..rows.end.min(row0 + height);
+            if col_range.is_empty() || row_range.is_empty() {
+                continue;
+            }
+            let tile = Arc::make_mut(slot);
+            for row in row_range {
+                for col in col_range.clone() {
+                    let value = &mut tile.posts
+                        [(row - row0) as usize * tile.stride + (col - col0) as usize];
+                    *value = post(col, row, *value);
+                }
+            }
+            changed.push(index);
+        }
+        (result, changed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_across_tile_borders_have_the_right_posts() {
+        let raster = TiledRaster::from_fn(600, 515, |col, row| (col, row));
+        for (col, row) in [
+            (0, 0),
+            (255, 255),
+            (256, 255),
+            (255, 256),
+            (511, 511),
+            (598, 513),
+        ] {
+            let cell = raster.cell(col, row);
+            assert_eq!(
+                cell,
+                [
+                    (col, row),
+                    (col + 1, row),
+                    (col, row + 1),
+                    (col + 1, row + 1)
+                ]
+            );
+        }
+        assert_eq!(raster.post(599, 514), (599, 514));
+        assert_eq!(raster.post(0, 514), (0, 514));
+    }
+
+    #[test]
+    fn an_edit_reaches_every_tile_that_holds_the_post_and_no_other() {
+        let raster = TiledRaster::from_fn(600, 515, |_, _| 0);
+        let (edited, changed) = raster.edited(256..257, 256..257, |_, _, _| 7);
+        assert_eq!(changed.len(), 4);
+        assert_eq!(edited.cell(255, 255), [0, 0, 0, 7]);
+        assert_eq!(edited.cell(256, 256), [7, 0, 0, 0]);
+        assert_eq!(raster.cell(256, 256), [0; 4]);
+    }
+
+    #[test]
+    fn the_smallest_raster_is_one_cell() {
+        let raster = TiledRaster::from_fn(2, 2, |col, row| col + 10 * row);
+        assert_eq!(raster.cell(0, 0), [0, 1, 10, 11]);
+        assert_eq!(raster.locate(1.0, 1.0), ([0, 0], [1.0, 1.0]));
+        assert_eq!(raster.locate(-3.0, f64::NAN).0, [0, 0]);
+    }
+}
