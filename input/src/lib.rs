@@ -1,1 +1,5 @@
-//! To be filled.
+//! Input: devices to timestamped samples. To be filled.
+
+mod flight;
+
+pub use flight::FlightAxes;
