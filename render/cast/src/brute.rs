@@ -2,7 +2,7 @@
 
 use crate::image::{Image, fill_strips};
 use crate::intersect::GridRay;
-use crate::shade::sky;
+use crate::shade::shade;
 use crate::{Caster, PreparedScene, Scene};
 use sandtable_terrain::TileIndex;
 use sandtable_view::View;
@@ -49,14 +49,7 @@ impl PreparedScene for BruteScene {
                     let ray = strip.view.ray(strip.first + i, j);
                     let hit = GridRay::new(ground, ray.origin, ray.direction)
                         .and_then(|ray| ray.first_hit(ray.enter));
-                    match hit {
-                        Some(t) => {
-                            let p = ray.origin + t * ray.direction;
-                            let depth = t * ray.direction.length();
-                            strip.set(i, j, ground.colour_at(p.x, p.y), depth as f32);
-                        }
-                        None => strip.set(i, j, sky(ray.direction), f32::INFINITY),
-                    }
+                    shade(strip, [i, j], ground, &ray, hit);
                 }
             }
         });

@@ -136,7 +136,7 @@ impl ColumnStrip<'_> {
 
 /// How many columns one task fills: narrow enough to balance, wide enough not to share cache lines
 /// along every row.
-const STRIP_WIDTH: u32 = 32;
+pub(crate) const STRIP_WIDTH: u32 = 64;
 
 /// Casts all `views` as one parallel job: every strip of every image is a task.
 pub(crate) fn fill_strips(

@@ -18,29 +18,34 @@ pub(crate) struct GridRay<'a> {
 
 impl<'a> GridRay<'a> {
     /// Clips the ray to the terrain; `None` where it passes by.
+    #[inline]
     pub(crate) fn new(ground: &'a Ground, origin: DVec3, direction: DVec3) -> Option<Self> {
         let grid = ground.grid();
-        let per_post = DVec3::new(grid.spacing.x, grid.spacing.y, 1.0);
-        let (origin, direction) = (origin / per_post, direction / per_post);
-        let size = [f64::from(grid.cols - 1), f64::from(grid.rows - 1)];
-        let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+        let posts_per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
+        let (origin, direction) = (origin * posts_per_metre, direction * posts_per_metre);
+        let highest = f64::from(ground.range()[1]);
+        // Rising above the highest post ends a ray; falling below it begins one. Below there is no
+        // end: the terrain reaches down for ever.
+        let (mut enter, mut leave) = (0.0, f64::INFINITY);
+        if direction.z > 0.0 {
+            leave = (highest - origin.z) / direction.z;
+        } else if origin.z > highest {
+            if direction.z == 0.0 {
+                return None;
+            }
+            enter = (highest - origin.z) / direction.z;
+        }
         let slabs = [
-            (origin.x, direction.x, 0.0, size[0]),
-            (origin.y, direction.y, 0.0, size[1]),
-            (
-                origin.z,
-                direction.z,
-                f64::NEG_INFINITY,
-                f64::from(ground.range()[1]),
-            ),
+            (origin.x, direction.x, f64::from(grid.cols - 1)),
+            (origin.y, direction.y, f64::from(grid.rows - 1)),
         ];
-        for (o, d, low, high) in slabs {
+        for (o, d, size) in slabs {
             if d == 0.0 {
-                if o < low || o > high {
+                if o < 0.0 || o > size {
                     return None;
                 }
             } else {
-                let (a, b) = ((low - o) / d, (high - o) / d);
+                let (a, b) = (-o / d, (size - o) / d);
                 enter = enter.max(a.min(b));
                 leave = leave.min(a.max(b));
             }

@@ -15,20 +15,42 @@ const TINTS: [(f32, [f32; 3]); 7] = [
     (1.00, [246.0, 247.0, 250.0]),
 ];
 
+/// [`TINTS`] at even steps, so that a colour is one look-up.
+const TABLE: [[f32; 3]; 512] = {
+    let mut table = [[0.0; 3]; 512];
+    let mut at = 0;
+    while at < table.len() {
+        let share = at as f32 / (table.len() - 1) as f32;
+        let mut upper = 1;
+        while upper < TINTS.len() - 1 && share > TINTS[upper].0 {
+            upper += 1;
+        }
+        let ((low, from), (high, to)) = (TINTS[upper - 1], TINTS[upper]);
+        let mix = (share - low) / (high - low);
+        let mut k = 0;
+        while k < 3 {
+            table[at][k] = from[k] + (to[k] - from[k]) * mix;
+            k += 1;
+        }
+        at += 1;
+    }
+    table
+};
+
 /// The tint of a height given as its share of the ground's range, shaded by `light` in [0, 1]
 /// where ½ leaves the tint as it is.
+#[inline]
 #[must_use]
 pub fn hypsometric(share: f32, light: f32) -> Rgb {
-    let share = share.clamp(0.0, 1.0);
-    let upper = TINTS
-        .iter()
-        .position(|&(at, _)| share <= at)
-        .unwrap_or(TINTS.len() - 1)
-        .max(1);
-    let ((low, from), (high, to)) = (TINTS[upper - 1], TINTS[upper]);
-    let mix = (share - low) / (high - low);
+    // A share off the range, or NaN, saturates.
+    let at = (share * (TABLE.len() - 1) as f32 + 0.5) as usize;
+    let tint = TABLE[at.min(TABLE.len() - 1)];
     let gain = 2.0 * light;
-    std::array::from_fn(|k| ((from[k] + (to[k] - from[k]) * mix) * gain).clamp(0.0, 255.0) as u8)
+    [
+        (tint[0] * gain) as u8,
+        (tint[1] * gain) as u8,
+        (tint[2] * gain) as u8,
+    ]
 }
 
 /// Shaded relief as a byte: 128 is level ground. Light comes from the north-west, 45° high, as on

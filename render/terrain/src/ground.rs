@@ -4,6 +4,7 @@ use crate::colour::{hypsometric, relief_light};
 use crate::{Photo, Rgb, TileIndex, TiledRaster};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::ops::{Add, Mul, Sub};
 
 /// A grid of posts in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,11 +243,12 @@ impl Ground {
         if let Some(colour) = self.photo.as_ref().and_then(|photo| photo.colour_at(x, y)) {
             return colour;
         }
-        let (cell, place) = self
+        let (cell, [u, v]) = self
             .heights
             .locate(x / self.grid.spacing.x, y / self.grid.spacing.y);
-        let height = bilinear(self.heights.cell(cell[0], cell[1]).map(f64::from), place) as f32;
-        let light = bilinear(self.light.cell(cell[0], cell[1]).map(f64::from), place) as f32;
+        let place = [u as f32, v as f32];
+        let height = bilinear(self.heights.cell(cell[0], cell[1]), place);
+        let light = bilinear(self.light.cell(cell[0], cell[1]).map(f32::from), place);
         let [low, high] = self.range;
         let share = if high > low {
             (height - low) / (high - low)
@@ -335,7 +337,10 @@ fn light_at(heights: &TiledRaster<f32>, spacing: DVec2, col: u32, row: u32) -> u
 
 /// Blends a cell's posts (south-west, south-east, north-west, north-east) at a place in [0, 1]².
 #[inline]
-fn bilinear([sw, se, nw, ne]: [f64; 4], [u, v]: [f64; 2]) -> f64 {
+fn bilinear<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>>(
+    [sw, se, nw, ne]: [T; 4],
+    [u, v]: [T; 2],
+) -> T {
     let south = sw + (se - sw) * u;
     let north = nw + (ne - nw) * u;
     south + (north - south) * v
