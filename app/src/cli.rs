@@ -1,0 +1,383 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// A sand table that you can walk around.
+///
+/// Shows real terrain in true perspective for a tracked head on a horizontal stereo display, in a
+/// window on a desktop, or without any display.
+#[derive(Debug, Parser)]
+#[command(name = "sandtable", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
+pub(crate) struct Cli {
+    /// What to do; without a command, `fly`.
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+
+    /// Without a command: how to fly.
+    #[command(flatten)]
+    pub(crate) fly: FlyArgs,
+}
+
+/// One command of the program.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Open the table and fly over the terrain.
+    Fly(FlyArgs),
+    /// Print a file's size, coordinate system, extent and statistics.
+    Info(InfoArgs),
+    /// Render one image, or a flight along a path.
+    Render(RenderArgs),
+    /// Time casters against each other.
+    Bench(BenchArgs),
+    /// Be a device: play a motion on a pseudo-terminal.
+    Simulate(SimulateArgs),
+    /// Record the rig's devices without opening the table.
+    Record(RecordArgs),
+    /// List what is there to see, hear and touch with, and what is missing.
+    Doctor(DoctorArgs),
+}
+
+/// Help for the TERRAIN argument, shared by the commands that take one.
+const TERRAIN_HELP: &str = "A GeoTIFF, SRTM .hgt or ESRI ASCII grid, or builtin:ridges?size=N&seed=S, or \
+     builtin:jacksboro";
+
+/// Which terrain, with which photograph.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct TerrainArgs {
+    #[arg(default_value = "builtin:jacksboro", help = TERRAIN_HELP)]
+    pub(crate) terrain: String,
+
+    /// A photograph to lay over it: GeoTIFF, PNG or JPEG in the same coordinate system.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) photo: Option<PathBuf>,
+}
+
+/// How both eyes reach the glass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StereoArg {
+    /// One image, from the middle of the eyes.
+    Mono,
+    /// The left eye's image beside the right eye's.
+    SideBySide,
+    /// The left eye's image above the right eye's.
+    TopBottom,
+    /// Red for the left eye, cyan for the right.
+    Anaglyph,
+}
+
+/// Arguments of `fly`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  sandtable fly\n  sandtable fly mountains.tif --photo mountains.jpg --stereo anaglyph\n  \
+    sandtable fly --rig workbench --device flock=/dev/ttyUSB1 --record today.mcap\n  \
+    sandtable fly --replay today.mcap")]
+pub(crate) struct FlyArgs {
+    #[command(flatten)]
+    pub(crate) terrain: TerrainArgs,
+
+    /// The rig: desktop, workbench, or a rig file.
+    #[arg(long, value_name = "RIG")]
+    pub(crate) rig: Option<String>,
+
+    /// Use this port for a device of the rig (may be given once for each device).
+    #[arg(long, value_name = "NAME=PORT")]
+    pub(crate) device: Vec<String>,
+
+    /// Fly what was recorded; needs no device. The rig is the recording's own.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["rig", "device", "record"])]
+    pub(crate) replay: Option<PathBuf>,
+
+    /// Record devices, rig and placement to this file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
+
+    /// How both eyes reach the glass, in place of what the rig says.
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub(crate) stereo: Option<StereoArg>,
+
+    /// Exchange the eyes.
+    #[arg(long)]
+    pub(crate) swap_eyes: bool,
+
+    /// The caster.
+    #[arg(long, value_name = "CASTER", default_value = "coherent")]
+    pub(crate) caster: String,
+
+    /// Casting threads; 0 takes one for each core.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+
+    /// Open no window: write the flight to a file, as where there is no display.
+    #[arg(long)]
+    pub(crate) headless: bool,
+
+    /// Where a flight without a display goes: .avi, .mp4 (needs ffmpeg), or a folder of images.
+    #[arg(long, short, value_name = "FILE", default_value = "out/flight.avi")]
+    pub(crate) output: PathBuf,
+
+    /// Seconds of flight without a display; a replay lasts as long as its recording.
+    #[arg(long, value_name = "S", default_value_t = 8.0)]
+    pub(crate) seconds: f64,
+
+    /// Size of the window, or of the frames of a flight without a display.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(crate) size: Option<[u32; 2]>,
+
+    /// Write the sound of a flight without a display to this WAV file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) audio: Option<PathBuf>,
+
+    /// Make no sound.
+    #[arg(long)]
+    pub(crate) mute: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sandtable info N42E001.hgt --cell 600,600 --json")]
+pub(crate) struct InfoArgs {
+    /// A GeoTIFF, SRTM .hgt or ESRI ASCII grid.
+    pub(crate) file: PathBuf,
+
+    /// Print this cell's value too: column and row from the top left, from 0.
+    #[arg(long, value_name = "COL,ROW", value_parser = parse_cell)]
+    pub(crate) cell: Vec<(u32, u32)>,
+
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  sandtable render mountains.tif --view ridge.toml -o ridge.png --depth ridge.tif\n  \
+    sandtable render mountains.tif --path hike.gpx -o hike.avi --audio hike.wav")]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) terrain: TerrainArgs,
+
+    /// The view file: size, eye, and camera or screen.
+    #[arg(long, value_name = "FILE", required_unless_present = "path")]
+    pub(crate) view: Option<PathBuf>,
+
+    /// Fly along this GPX track instead; a view file beside it gives size and field of view.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) path: Option<PathBuf>,
+
+    /// The caster.
+    #[arg(long, value_name = "CASTER", default_value = "coherent")]
+    pub(crate) caster: String,
+
+    /// Casting threads; 0 takes one for each core.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+
+    /// Both eyes, each at the view's size, in one image.
+    #[arg(long, value_enum, value_name = "MODE", default_value = "mono")]
+    pub(crate) stereo: StereoArg,
+
+    /// The image (.png or .jpg), or for a flight .avi, .mp4 or a folder.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+
+    /// Write depth too: a float32 TIFF of metres from the eye, infinite for sky (the left eye's
+    /// where there are two).
+    #[arg(long, value_name = "FILE", conflicts_with = "path")]
+    pub(crate) depth: Option<PathBuf>,
+
+    /// Write the flight's sound to this WAV file.
+    #[arg(long, value_name = "FILE", requires = "path")]
+    pub(crate) audio: Option<PathBuf>,
+
+    /// Metres a second along a track that has no times, and metres above ground where it has no
+    /// elevations.
+    #[arg(long, value_names = ["SPEED", "HEIGHT"], num_args = 2, default_values_t = [100.0, 150.0])]
+    pub(crate) flight: Vec<f64>,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  sandtable bench builtin:ridges?size=1025\n  \
+    sandtable bench mountains.tif --view ridge.toml --caster brute --caster coherent --check --json")]
+pub(crate) struct BenchArgs {
+    #[command(flatten)]
+    pub(crate) terrain: TerrainArgs,
+
+    /// A view file; may be repeated. Without one: level, pitched, table and straight-down views of
+    /// the whole terrain.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) view: Vec<PathBuf>,
+
+    /// A caster; may be repeated. Without one: the default caster.
+    #[arg(long, value_name = "CASTER")]
+    pub(crate) caster: Vec<String>,
+
+    /// Casting threads; may be repeated.
+    #[arg(long, value_name = "N", default_values_t = [1, 2])]
+    pub(crate) threads: Vec<usize>,
+
+    /// Frames timed for each figure.
+    #[arg(long, value_name = "F", default_value_t = 9)]
+    pub(crate) frames: usize,
+
+    /// Compare each caster's image with brute force.
+    #[arg(long)]
+    pub(crate) check: bool,
+
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// Which device.
+    #[command(subcommand)]
+    pub(crate) device: SimulatedDevice,
+}
+
+/// A device that can be simulated.
+#[derive(Debug, Subcommand)]
+pub(crate) enum SimulatedDevice {
+    /// An Ascension Flock of Birds in group mode.
+    Flock(SimulateFlockArgs),
+}
+
+/// Arguments of `simulate flock`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  sandtable simulate flock --birds 2 --link /tmp/flock\n  \
+    sandtable simulate flock --birds 1 --hold 12,3,-5,30,20,10 --baud 9600")]
+pub(crate) struct SimulateFlockArgs {
+    /// How many birds.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub(crate) birds: u8,
+
+    /// The line's speed, which paces the stream.
+    #[arg(long, value_name = "B", default_value_t = 115_200)]
+    pub(crate) baud: u32,
+
+    /// Make a link at PATH to the pseudo-terminal, removed at the end.
+    #[arg(long, value_name = "PATH")]
+    pub(crate) link: Option<PathBuf>,
+
+    /// Hold a still pose: inches and degrees in the transmitter's frame; once a bird.
+    #[arg(long, value_name = "X,Y,Z,AZ,EL,ROLL", allow_hyphen_values = true, value_parser = parse_hold)]
+    pub(crate) hold: Vec<[f64; 6]>,
+
+    /// The motion of birds that are not held.
+    #[arg(long, value_name = "MOTION", default_value = "circle")]
+    pub(crate) motion: String,
+
+    /// Full scale in inches: 36, 72 or 144.
+    #[arg(long, value_name = "INCHES", default_value_t = 72)]
+    pub(crate) range: u32,
+
+    /// Lose every Nth byte of the stream.
+    #[arg(long, value_name = "N")]
+    pub(crate) drop_every: Option<u64>,
+}
+
+/// Arguments of `record`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sandtable record --rig workbench --device flock=/dev/ttyUSB1 -o today.mcap")]
+pub(crate) struct RecordArgs {
+    /// The rig: workbench, or a rig file.
+    #[arg(long, value_name = "RIG", default_value = "workbench")]
+    pub(crate) rig: String,
+
+    /// Use this port for a device of the rig (may be given once for each device).
+    #[arg(long, value_name = "NAME=PORT")]
+    pub(crate) device: Vec<String>,
+
+    /// The recording, which must not exist yet.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+
+    /// Stop after so many seconds; otherwise at Ctrl-C.
+    #[arg(long, value_name = "S")]
+    pub(crate) seconds: Option<f64>,
+
+    #[command(flatten)]
+    pub(crate) terrain: TerrainArgs,
+}
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub(crate) struct DoctorArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `WxH` in pixels.
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let wanted = || format!("{text:?} is not WIDTHxHEIGHT in pixels, like 1280x720");
+    let (width, height) = text.split_once('x').ok_or_else(wanted)?;
+    let side = |text: &str| match text.parse::<u32>() {
+        Ok(side) if (16..=16_384).contains(&side) => Ok(side),
+        Ok(_) => Err(format!("{text} is not from 16 to 16384 pixels")),
+        Err(_) => Err(wanted()),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// `COL,ROW`.
+fn parse_cell(text: &str) -> Result<(u32, u32), String> {
+    let wanted = || format!("{text:?} is not COLUMN,ROW, like 12,7");
+    let (col, row) = text.split_once(',').ok_or_else(wanted)?;
+    Ok((col.trim().parse().map_err(|_| wanted())?, row.trim().parse().map_err(|_| wanted())?))
+}
+
+/// Six numbers with commas between them.
+fn parse_hold(text: &str) -> Result<[f64; 6], String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().ok().filter(|number| number.is_finite()))
+        .collect::<Option<_>>()
+        .ok_or_else(|| format!("{text:?} is not X,Y,Z,AZ,EL,ROLL in inches and degrees"))?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_grammar_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn flying_needs_no_command() {
+        let cli = Cli::parse_from(["sandtable", "mountains.tif", "--stereo", "anaglyph"]);
+        assert!(cli.command.is_none());
+        assert_eq!(cli.fly.terrain.terrain, "mountains.tif");
+        assert_eq!(cli.fly.stereo, Some(StereoArg::Anaglyph));
+        assert_eq!(Cli::parse_from(["sandtable"]).fly.terrain.terrain, "builtin:jacksboro");
+    }
+
+    #[test]
+    fn held_poses_may_be_negative() {
+        let cli = Cli::try_parse_from([
+            "sandtable", "simulate", "flock", "--hold", "-1,2,-3,4,5,6", "--hold", "0,0,0,0,0,0",
+        ])
+        .unwrap();
+        let Some(Command::Simulate(SimulateArgs { device: SimulatedDevice::Flock(flock) })) =
+            cli.command
+        else {
+            panic!("not a simulation");
+        };
+        assert_eq!(flock.hold[0], [-1.0, 2.0, -3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(flock.hold.len(), 2);
+    }
+
+    #[test]
+    fn bad_usage_says_what_is_right() {
+        let error = Cli::try_parse_from(["sandtable", "fly", "--size", "12"]).unwrap_err();
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("1280x720"));
+    }
+}

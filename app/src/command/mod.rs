@@ -1,0 +1,9 @@
+//! The commands, a file each.
+
+pub(crate) mod bench;
+pub(crate) mod doctor;
+pub(crate) mod fly;
+pub(crate) mod info;
+pub(crate) mod record;
+pub(crate) mod render;
+pub(crate) mod simulate;

@@ -1,0 +1,60 @@
+//! `sandtable render`: one image, or a flight along a track.
+
+use crate::cli::{RenderArgs, StereoArg};
+use crate::exit::usage;
+use crate::files::{write_depth, write_image};
+use crate::{scene, track};
+use anyhow::{Context, Result};
+use sandtable_cast::{CastPool, Image};
+use sandtable_stage::compose;
+use sandtable_view::{View, ViewFile, ViewFileError};
+use std::path::Path;
+use std::sync::Arc;
+
+pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    let caster = scene::caster(&args.caster)?;
+    let view_file = args.view.as_deref().map(read_view).transpose()?;
+    if let Some(path) = &args.path {
+        return track::render(args, path, view_file.as_ref(), caster);
+    }
+    let view_file = view_file.ok_or_else(|| usage("a view file is needed: --view FILE"))?;
+    let views = views(&view_file, args.stereo).map_err(usage)?;
+    let open = scene::open(&args.terrain)?;
+    let pool = CastPool::new(args.threads).context("cannot start the casting threads")?;
+    let prepared = pool.run(|| caster.prepare(Arc::clone(&open.scene)));
+    let mut images = vec![Image::default(); views.len()];
+    pool.cast(&*prepared, &views, &mut images);
+
+    write_image(&args.output, &composed(&images, args.stereo))?;
+    if let Some(path) = &args.depth {
+        write_depth(path, &images[0])?;
+    }
+    Ok(())
+}
+
+/// Reads a view file, naming it in errors.
+pub(crate) fn read_view(path: &Path) -> Result<ViewFile> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the view file {}", path.display()))?;
+    ViewFile::parse(&text).with_context(|| format!("in the view file {}", path.display()))
+}
+
+/// One view, or two where the mode shows two.
+fn views(file: &ViewFile, stereo: StereoArg) -> Result<Vec<View>, ViewFileError> {
+    match stereo {
+        StereoArg::Mono => Ok(vec![file.mono()]),
+        _ => Ok(file.stereo()?.into_array().to_vec()),
+    }
+}
+
+/// The images of one frame, each eye at its own full size, as one picture.
+pub(crate) fn composed(images: &[Image], stereo: StereoArg) -> image::RgbaImage {
+    let mode = stereo.mode();
+    let [width, height] = images[0].view.size;
+    let frame = match stereo {
+        StereoArg::Mono | StereoArg::Anaglyph => [width, height],
+        StereoArg::SideBySide => [2 * width, height],
+        StereoArg::TopBottom => [width, 2 * height],
+    };
+    compose(&images[0], images.last().unwrap_or(&images[0]), mode, false, frame)
+}

@@ -1,0 +1,66 @@
+//! Writing results: images, depth, whole or not at all.
+
+use anyhow::{Context, Result, bail};
+use image::RgbaImage;
+use sandtable_cast::Image;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Writes a file through `write`, under a temporary name beside it that takes its place at the
+/// end: what was there before survives a failure.
+pub(crate) fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<std::fs::File>) -> Result<()>) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    let Some(name) = path.file_name() else { bail!("{} names no file", path.display()) };
+    let mut partial = name.to_owned();
+    partial.push(".partial");
+    let partial = path.with_file_name(partial);
+    let result = (|| {
+        let mut file = BufWriter::new(std::fs::File::create(&partial)?);
+        write(&mut file)?;
+        file.flush()?;
+        drop(file);
+        std::fs::rename(&partial, path)?;
+        Ok(())
+    })();
+    result.map_err(|error: anyhow::Error| {
+        let _ = std::fs::remove_file(&partial);
+        error.context(format!("cannot write {}; is the folder there, writable and not full?", path.display()))
+    })
+}
+
+/// Writes an image as PNG or JPEG, by the name's ending.
+pub(crate) fn write_image(path: &Path, image: &RgbaImage) -> Result<()> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    match ending.as_deref() {
+        Some("png") => write_whole(path, |file| {
+            let encoder = image::codecs::png::PngEncoder::new(file);
+            Ok(image.write_with_encoder(encoder)?)
+        }),
+        Some("jpg" | "jpeg") => write_whole(path, |file| {
+            let rgb: image::RgbImage = image::buffer::ConvertBuffer::convert(image);
+            let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 92);
+            Ok(rgb.write_with_encoder(encoder)?)
+        }),
+        _ => Err(crate::exit::usage(format!(
+            "{} does not say which kind of image: let it end in .png or .jpg",
+            path.display()
+        ))),
+    }
+}
+
+/// Writes depth in metres as a float32 TIFF of one band, infinite for sky.
+pub(crate) fn write_depth(path: &Path, image: &Image) -> Result<()> {
+    // The encoder seeks, so the file is made in memory first: it is the size of the image.
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    tiff::encoder::TiffEncoder::new(&mut bytes)?
+        .write_image::<tiff::encoder::colortype::Gray32Float>(
+            image.width(),
+            image.height(),
+            &image.depth,
+        )?;
+    write_whole(path, |file| Ok(file.write_all(bytes.get_ref())?))
+}
