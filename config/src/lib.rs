@@ -1,1 +1,40 @@
-//! To be filled.
+//! Config: what stands at this desk or table, in one typed rig file.
+//!
+//! ```text
+//! rig.toml --Rig::load--> Rig { viewing, stereo, head, hand, devices, flight, gamepad }
+//! ```
+//!
+//! Lengths are metres and rotations unit quaternions once read; degrees, inches and axis names end
+//! here. Every number is checked against its range, an unknown key is an error, and each error
+//! names the file, the line, the key and what would be right. A rig file holds values only: no
+//! commands, no other files, no addresses to open.
+//!
+//! ```
+//! use sandtable_config::{Rig, Viewing};
+//!
+//! let rig = Rig::builtin("workbench").unwrap();
+//! assert!(matches!(rig.viewing, Viewing::Table(_)));
+//!
+//! let text = "name = 'mine'\n[camera]\nhorizontal_fow = 50\n";
+//! let error = Rig::parse(text, "mine.toml").unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "mine.toml, line 3: `camera.horizontal_fow` is unknown; did you mean `horizontal_fov`?"
+//! );
+//! ```
+
+mod body;
+mod controls;
+mod device;
+mod error;
+mod fields;
+mod rig;
+mod rigid;
+mod viewing;
+
+pub use body::{Eyes, Hand, Head, SensorName};
+pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
+pub use device::{Device, Flock, Hemisphere, QuaternionSign, Range};
+pub use error::RigError;
+pub use rig::Rig;
+pub use viewing::{Desktop, Measure, Stereo, StereoMode, Table, Viewing};

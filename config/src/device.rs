@@ -1,0 +1,302 @@
+//! Devices: what is plugged in where, and how it sits in the table's frame.
+
+use crate::RigError;
+use crate::fields::{Fields, Value};
+use crate::rigid::read_rigid;
+use sandtable_pose::Rigid;
+use std::time::Duration;
+
+/// A device of the rig.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Device {
+    /// An Ascension Flock of Birds on a serial line.
+    Flock(Flock),
+}
+
+impl Device {
+    /// How many sensors it has.
+    #[must_use]
+    pub fn sensors(&self) -> u32 {
+        match self {
+            Self::Flock(flock) => flock.birds,
+        }
+    }
+}
+
+/// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 4 birds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flock {
+    /// The serial port's path.
+    pub port: String,
+    /// Bits a second, as the units' switches say.
+    pub baud: u32,
+    /// How many birds there are, 1 to 4.
+    pub birds: u32,
+    /// Whether the birds share the line (FBB addresses from 1); one bird may stand alone.
+    pub group: bool,
+    /// The address of an Extended Range Controller, if there is one; the birds take the others.
+    pub erc_address: Option<u32>,
+    /// How far positions reach.
+    pub range: Range,
+    /// Where sensors are, seen from the transmitter.
+    pub hemisphere: Hemisphere,
+    /// How the quaternions on the line are meant.
+    pub quaternion: QuaternionSign,
+    /// Whether to reset the units by the line's RTS before starting them.
+    pub reset_with_rts: bool,
+    /// The silence before auto-configuration.
+    pub silence_before: Duration,
+    /// The silence after auto-configuration.
+    pub silence_after: Duration,
+    /// A pose older than this is held, no longer live.
+    pub held_after: Duration,
+    /// A pose older than this is lost.
+    pub lost_after: Duration,
+    /// No sensor is believed to move faster, in metres a second.
+    pub max_speed: f64,
+    /// No sensor is believed to turn faster, in degrees a second.
+    pub max_turn: f64,
+    /// From the transmitter's frame (x forward, y right, z down; metres) to the table's.
+    pub table_from_tracker: Rigid,
+}
+
+impl Flock {
+    /// The birds' addresses on the line, lowest first; empty for one that stands alone.
+    #[must_use]
+    pub fn addresses(&self) -> Vec<u8> {
+        if !self.group {
+            return Vec::new();
+        }
+        (1..=self.units())
+            .filter(|address| Some(u32::from(*address)) != self.erc_address)
+            .collect()
+    }
+
+    /// How many units are on the line, an Extended Range Controller counted too.
+    #[must_use]
+    pub fn units(&self) -> u8 {
+        let units = self.birds + u32::from(self.erc_address.is_some());
+        u8::try_from(units).unwrap_or(u8::MAX)
+    }
+}
+
+/// How far positions reach along each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// 36 inches: 0.11 mm a step.
+    Inches36,
+    /// 72 inches: 0.22 mm a step.
+    Inches72,
+    /// 144 inches, of an Extended Range Controller only: 0.45 mm a step.
+    Inches144,
+}
+
+impl Range {
+    /// The full scale in metres.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        let inches = match self {
+            Self::Inches36 => 36.0,
+            Self::Inches72 => 72.0,
+            Self::Inches144 => 144.0,
+        };
+        inches * 0.0254
+    }
+}
+
+/// The half-space that sensors keep to: a magnetic field does not tell p from −p.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hemisphere {
+    /// x > 0.
+    Forward,
+    /// x < 0.
+    Aft,
+    /// y > 0.
+    Right,
+    /// y < 0.
+    Left,
+    /// z < 0: above the transmitter.
+    Upper,
+    /// z > 0: below the transmitter.
+    Lower,
+}
+
+/// How the quaternions on the line are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuaternionSign {
+    /// The line carries the conjugate of transmitter-from-sensor, as the manual has it.
+    Conjugate,
+    /// The line carries transmitter-from-sensor itself.
+    AsSent,
+}
+
+/// Checks that a port is the path of a terminal, never a command or an address.
+pub(crate) fn port_remedy(port: &str) -> Option<&'static str> {
+    let com = port
+        .strip_prefix("COM")
+        .is_some_and(|n| !n.is_empty() && n.len() <= 3 && n.bytes().all(|b| b.is_ascii_digit()));
+    if com {
+        return None;
+    }
+    if !port.starts_with('/') || port.len() < 2 || port.ends_with('/') {
+        return Some("write its absolute path, as \"/dev/ttyUSB0\" (or \"COM3\")");
+    }
+    if port.len() > 1024
+        || port
+            .chars()
+            .any(|c| c.is_control() || "|;&$<>`\"'*?".contains(c))
+    {
+        return Some("write the path of a serial port only: commands and patterns are never run");
+    }
+    None
+}
+
+pub(crate) fn read_device(value: &Value<'_>) -> Result<Device, RigError> {
+    let fields = value.fields()?;
+    fields
+        .need("kind", "write kind = \"flock-of-birds\"")?
+        .choice(&[("flock-of-birds", ())])?;
+    let flock = read_flock(&fields)?;
+    fields.finish()?;
+    Ok(Device::Flock(flock))
+}
+
+fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
+    let port_value = fields.need("port", "write the serial port's path, as \"/dev/ttyUSB0\"")?;
+    let port = port_value.text("the serial port's path")?;
+    if let Some(remedy) = port_remedy(port) {
+        return Err(port_value.error(&format!("is {port:?}"), remedy));
+    }
+    let baud = match fields.get("baud") {
+        Some(value) => value.one_of(
+            &[2400, 4800, 9600, 19200, 38400, 57600, 115_200],
+            "as the units' switches 1 to 3 say",
+        )?,
+        None => 115_200,
+    };
+    let birds = fields
+        .need("birds", "write how many there are, 1 to 4")?
+        .integer(1..=4, "birds")?;
+    let group = match fields.get("group") {
+        Some(value) => {
+            let group = value.boolean()?;
+            if !group && birds > 1 {
+                return Err(value.error(
+                    "is false with more than one bird",
+                    "write group = true: birds share a line in group mode only",
+                ));
+            }
+            group
+        }
+        None => true,
+    };
+    let (range, erc_address) = read_range(fields, birds, group)?;
+    let quick = |key: &str, default: f64, range| match fields.get(key) {
+        Some(value) => value.number(range, "seconds").map(Duration::from_secs_f64),
+        None => Ok(Duration::from_secs_f64(default)),
+    };
+    let milliseconds = |key: &str, default: f64| match fields.get(key) {
+        Some(value) => value
+            .number(1.0..=60_000.0, "milliseconds")
+            .map(|ms| Duration::from_secs_f64(ms * 1e-3)),
+        None => Ok(Duration::from_secs_f64(default * 1e-3)),
+    };
+    let held_after = milliseconds("held_after_ms", 30.0)?;
+    let lost_after = milliseconds("lost_after_ms", 250.0)?;
+    if lost_after < held_after {
+        return Err(fields.error(
+            "lost_after_ms",
+            "is less than `held_after_ms`",
+            "write at least as much: a pose is held before it is lost",
+        ));
+    }
+    Ok(Flock {
+        port: port.to_owned(),
+        baud,
+        birds,
+        group,
+        erc_address,
+        range,
+        hemisphere: fields
+            .need(
+                "hemisphere",
+                "write the half-space of the sensors: \"upper\" for a transmitter under the table",
+            )?
+            .choice(&[
+                ("forward", Hemisphere::Forward),
+                ("aft", Hemisphere::Aft),
+                ("right", Hemisphere::Right),
+                ("left", Hemisphere::Left),
+                ("upper", Hemisphere::Upper),
+                ("lower", Hemisphere::Lower),
+            ])?,
+        quaternion: match fields.get("quaternion") {
+            Some(value) => value.choice(&[
+                ("conjugate", QuaternionSign::Conjugate),
+                ("as-sent", QuaternionSign::AsSent),
+            ])?,
+            None => QuaternionSign::Conjugate,
+        },
+        reset_with_rts: match fields.get("reset_with_rts") {
+            Some(value) => value.boolean()?,
+            None => true,
+        },
+        // Newer manuals ask for 0.6 s of silence on both sides; hosts take more.
+        silence_before: quick("silence_before", 1.0, 0.6..=30.0)?,
+        silence_after: quick("silence_after", 1.5, 0.6..=30.0)?,
+        held_after,
+        lost_after,
+        max_speed: match fields.get("max_speed") {
+            Some(value) => value.number(0.1..=100.0, "metres a second")?,
+            None => 5.0,
+        },
+        max_turn: match fields.get("max_turn") {
+            Some(value) => value.number(10.0..=20_000.0, "degrees a second")?,
+            None => 1000.0,
+        },
+        table_from_tracker: read_rigid(
+            &fields.need(
+                "table_from_tracker",
+                "write { translation = [..], axes = [..] }: how the transmitter sits at the table",
+            )?,
+            "translation",
+        )?,
+    })
+}
+
+fn read_range(
+    fields: &Fields<'_>,
+    birds: u32,
+    group: bool,
+) -> Result<(Range, Option<u32>), RigError> {
+    let range_value = fields.need("range", "write 36, 72 or 144 inches")?;
+    let range = match range_value.one_of(&[36, 72, 144], "inches")? {
+        36 => Range::Inches36,
+        72 => Range::Inches72,
+        _ => Range::Inches144,
+    };
+    let erc = fields.get("erc_address");
+    match (range, &erc) {
+        (Range::Inches144, None) => {
+            return Err(range_value.error(
+                "is 144, which only an Extended Range Controller has",
+                "write its address beside it, as erc_address = 1, or a range of 36 or 72",
+            ));
+        }
+        (Range::Inches36 | Range::Inches72, Some(erc)) => {
+            return Err(erc.error(
+                "stands beside a range under 144",
+                "write range = 144: with an Extended Range Controller it is always that",
+            ));
+        }
+        _ => {}
+    }
+    let address = match erc {
+        Some(erc) if !group => {
+            return Err(erc.error("stands beside group = false", "write group = true"));
+        }
+        Some(erc) => Some(erc.integer(1..=birds + 1, "(one above the birds at most)")?),
+        None => None,
+    };
+    Ok((range, address))
+}

@@ -1,0 +1,258 @@
+//! The rig file as a whole.
+
+use crate::body::{read_hand, read_head};
+use crate::controls::{read_flight, read_gamepad};
+use crate::device::{port_remedy, read_device};
+use crate::fields::{Fields, Source, Value, nearest};
+use crate::viewing::{read_stereo, read_viewing};
+use crate::{Device, Flight, GamepadMapping, Hand, Head, RigError, SensorName, Stereo, Viewing};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+use toml::de::DeTable;
+
+/// Everything that stands at one desk or table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    /// What people call it.
+    pub name: String,
+    /// What the picture is seen through.
+    pub viewing: Viewing,
+    /// Stereo as it starts.
+    pub stereo: Stereo,
+    /// The viewer's head; every table has one.
+    pub head: Option<Head>,
+    /// The viewer's hand.
+    pub hand: Option<Hand>,
+    /// The devices by name.
+    pub devices: BTreeMap<String, Device>,
+    /// How fast one flies.
+    pub flight: Flight,
+    /// What the gamepad's sticks mean.
+    pub gamepad: GamepadMapping,
+    text: String,
+}
+
+const BUILTINS: [(&str, &str); 2] = [
+    ("desktop", include_str!("../rigs/desktop.toml")),
+    ("workbench", include_str!("../rigs/workbench.toml")),
+];
+
+impl Rig {
+    /// The most that a rig file may have, in bytes.
+    const LIMIT: u64 = 1 << 20;
+
+    /// Reads a rig file.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is not TOML, or holds anything that is unknown, missing or
+    /// out of its range.
+    pub fn load(path: &Path) -> Result<Self, RigError> {
+        let unreadable = |source| RigError::Unreadable {
+            path: path.to_owned(),
+            source,
+        };
+        let file = std::fs::File::open(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        file.take(Self::LIMIT + 1)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+        let size = bytes.len() as u64;
+        if size > Self::LIMIT {
+            return Err(RigError::TooLarge {
+                path: path.to_owned(),
+                size,
+                limit: Self::LIMIT,
+            });
+        }
+        let file = path.display().to_string();
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let until = error.utf8_error().valid_up_to();
+            let lines = error.as_bytes()[..until].iter().filter(|&&b| b == b'\n');
+            RigError::Syntax {
+                file: file.clone(),
+                line: 1 + lines.count(),
+                problem: "the text is not UTF-8; save it as such".to_owned(),
+            }
+        })?;
+        Self::parse(&text, &file)
+    }
+
+    /// Reads a rig from its text; errors call it `file`.
+    ///
+    /// # Errors
+    /// As [`Rig::load`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, RigError> {
+        let source = Source { file, text };
+        let table = DeTable::parse(text).map_err(|error| RigError::Syntax {
+            file: file.to_owned(),
+            line: source.line(error.span().map_or(0, |span| span.start)),
+            problem: error.message().to_owned(),
+        })?;
+        let root = Fields::root(source, table.get_ref());
+        let name = root.need("name", "write what people call this rig")?;
+        let name = name.text("what people call this rig")?.to_owned();
+        let viewing = read_viewing(&root)?;
+        let stereo = read_stereo(&root)?;
+        let devices = read_devices(&root)?;
+        let sensor = |value: &Value<'_>| read_sensor(value, &devices);
+        let head = match (&viewing, root.get("head")) {
+            (_, Some(value)) => Some(read_head(&value, sensor)?),
+            (Viewing::Table(_), None) => {
+                return Err(root.error(
+                    "head",
+                    "is missing",
+                    "write [head] with `rest` and `eyes`: a table is seen from them",
+                ));
+            }
+            (Viewing::Desktop(_), None) => None,
+        };
+        let hand = root
+            .get("hand")
+            .map(|value| read_hand(&value, sensor))
+            .transpose()?;
+        let flight = read_flight(&root)?;
+        let gamepad = read_gamepad(&root)?;
+        root.finish()?;
+        Ok(Self {
+            name,
+            viewing,
+            stereo,
+            head,
+            hand,
+            devices,
+            flight,
+            gamepad,
+            text: text.to_owned(),
+        })
+    }
+
+    /// A rig that comes with the program: `desktop` or `workbench`.
+    ///
+    /// # Errors
+    /// [`RigError::NoBuiltin`] for any other name.
+    pub fn builtin(name: &str) -> Result<Self, RigError> {
+        let text = Self::builtin_text(name)?;
+        Self::parse(text, &format!("the built-in rig `{name}`"))
+    }
+
+    /// A built-in rig's file, to start one's own from.
+    ///
+    /// # Errors
+    /// [`RigError::NoBuiltin`] for any other name.
+    pub fn builtin_text(name: &str) -> Result<&'static str, RigError> {
+        BUILTINS
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, text)| *text)
+            .ok_or_else(|| RigError::NoBuiltin {
+                name: name.to_owned(),
+            })
+    }
+
+    /// The text that the rig was read from, as recordings keep it.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Gives a device another port, as a command line may. The text stays as it was read.
+    ///
+    /// # Errors
+    /// [`RigError::NoDevice`] for an unknown device, [`RigError::BadPort`] for what is no port.
+    pub fn set_port(&mut self, device: &str, port: &Path) -> Result<(), RigError> {
+        let bad = |remedy: &str| RigError::BadPort {
+            port: port.display().to_string(),
+            remedy: remedy.to_owned(),
+        };
+        let known = || {
+            let names: Vec<&str> = self.devices.keys().map(String::as_str).collect();
+            if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            }
+        };
+        if !self.devices.contains_key(device) {
+            return Err(RigError::NoDevice {
+                rig: self.name.clone(),
+                device: device.to_owned(),
+                known: known(),
+            });
+        }
+        let plain = port.to_str().ok_or_else(|| bad("its path is not UTF-8"))?;
+        let text = if plain.starts_with("COM") {
+            plain.to_owned()
+        } else {
+            // A shell's relative path means the folder that the program runs in.
+            let absolute = std::path::absolute(port).map_err(|error| bad(&error.to_string()))?;
+            absolute.display().to_string()
+        };
+        if let Some(remedy) = port_remedy(&text) {
+            return Err(bad(remedy));
+        }
+        match self.devices.get_mut(device) {
+            Some(Device::Flock(flock)) => flock.port = text,
+            None => unreachable!("the device was looked up above"),
+        }
+        Ok(())
+    }
+}
+
+fn read_devices(root: &Fields<'_>) -> Result<BTreeMap<String, Device>, RigError> {
+    let mut devices = BTreeMap::new();
+    let Some(value) = root.get("devices") else {
+        return Ok(devices);
+    };
+    let fields = value.fields()?;
+    for name in fields.keys() {
+        let Some(value) = fields.get(&name) else {
+            continue;
+        };
+        let plain = !name.is_empty()
+            && name.len() <= 40
+            && name
+                .bytes()
+                .all(|b| b.is_ascii_alphanumeric() || b == b'-' || b == b'_');
+        if !plain {
+            return Err(value.error(
+                "is not a device's name",
+                "name it with letters, digits, - and _ only",
+            ));
+        }
+        devices.insert(name, read_device(&value)?);
+    }
+    fields.finish()?;
+    Ok(devices)
+}
+
+/// `flock/1`: a device of this rig, and one of its sensors.
+fn read_sensor(
+    value: &Value<'_>,
+    devices: &BTreeMap<String, Device>,
+) -> Result<SensorName, RigError> {
+    let remedy = "write a device of this rig and its sensor's number, as \"flock/1\"";
+    let text = value.text("a sensor such as \"flock/1\"")?;
+    let problem = format!("is {text:?}");
+    let Some((device, number)) = text.split_once('/') else {
+        return Err(value.error(&problem, remedy));
+    };
+    let Some(known) = devices.get(device) else {
+        let names: Vec<&str> = devices.keys().map(String::as_str).collect();
+        let remedy = match nearest(device, &names) {
+            Some(near) => format!("did you mean \"{near}/{number}\"?"),
+            None => format!("no device is named `{device}`; write [devices.{device}]"),
+        };
+        return Err(value.error(&problem, &remedy));
+    };
+    match number.parse::<u32>() {
+        Ok(number) if (1..=known.sensors()).contains(&number) => Ok(SensorName {
+            device: device.to_owned(),
+            number,
+        }),
+        _ => Err(value.error(
+            &problem,
+            &format!("`{device}` has the sensors 1 to {}", known.sensors()),
+        )),
+    }
+}

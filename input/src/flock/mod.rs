@@ -1,0 +1,24 @@
+//! The Flock of Birds: Ascension's magnetic trackers on a serial line.
+//!
+//! ```text
+//! port --bytes--> Decoder --Record--> Scale --Rigid--> gate --Sample (table, m)--> hub
+//!      <--Step--  startup
+//! ```
+//!
+//! The arrows are pure functions of bytes and times; only the driver's thread knows a port and a
+//! clock. The simulator speaks the other side of the line.
+
+mod decoder;
+mod gate;
+mod measurement;
+mod record;
+mod startup;
+mod status;
+mod stream;
+
+pub use decoder::{Decoder, DecoderCounts};
+pub use measurement::Scale;
+pub use record::{LONGEST_RECORD, Layout, Record, Words};
+pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};
+pub use status::{SYSTEM_STATUS_LENGTH, UnitStatus, error_in_words, system_status_problem};
+pub use stream::{FROZEN_AFTER, FlockStream, Sample, StreamCounts, layout, record_period};

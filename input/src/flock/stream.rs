@@ -1,0 +1,389 @@
+//! The stream: from chunks of bytes with their arrival times to samples in metres.
+//!
+//! Live driver and replay run the same stream, so that a recording gives the same samples.
+
+use super::decoder::{Decoder, DecoderCounts};
+use super::gate::{Gate, GateLimits};
+use super::measurement::Scale;
+use super::record::{LONGEST_RECORD, Layout, Words};
+use sandtable_config::Flock;
+use sandtable_pose::{Nanos, Rigid};
+use std::time::Duration;
+
+/// One sensor's pose at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The sensor's number on its device, from 1.
+    pub sensor: u32,
+    /// When its first byte was on the line.
+    pub time: Nanos,
+    /// The pose in the table's frame, in metres.
+    pub table_from_sensor: Rigid,
+    /// Whether the device has repeated itself for so long that it must be frozen.
+    pub frozen: bool,
+}
+
+/// What a stream has seen since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StreamCounts {
+    /// What the decoder saw.
+    pub decoder: DecoderCounts,
+    /// Samples let out.
+    pub samples: u64,
+    /// Records whose quaternion was none.
+    pub not_unit: u64,
+    /// Records that jumped, or that no other record vouched for.
+    pub refused: u64,
+}
+
+/// Equal records in a row after which a sensor is frozen: a magnetic tracker's last bit never
+/// rests for a second.
+pub const FROZEN_AFTER: u32 = 100;
+
+/// Turns one device's bytes into samples. No port, no clock: the chunks bring their times.
+#[derive(Clone, Debug)]
+pub struct FlockStream {
+    decoder: Decoder,
+    record_length: usize,
+    scale: Scale,
+    limits: GateLimits,
+    table_from_tracker: Rigid,
+    byte_time: Duration,
+    birds: Vec<Bird>,
+    counts: StreamCounts,
+}
+
+/// What is remembered of one bird.
+#[derive(Clone, Debug, Default)]
+struct Bird {
+    gate: Gate,
+    words: Option<Words>,
+    equal: u32,
+    newest: Nanos,
+}
+
+impl FlockStream {
+    /// The stream of a rig's Flock.
+    #[must_use]
+    pub fn new(flock: &Flock) -> Self {
+        let layout = layout(flock);
+        Self {
+            record_length: layout.record_length(),
+            scale: Scale::of(flock),
+            limits: GateLimits {
+                max_speed: flock.max_speed,
+                max_turn: flock.max_turn.to_radians(),
+                period: record_period(flock),
+                memory: flock.lost_after,
+            },
+            table_from_tracker: flock.table_from_tracker,
+            byte_time: byte_time(flock.baud),
+            birds: vec![Bird::default(); layout.birds()],
+            decoder: Decoder::new(layout),
+            counts: StreamCounts::default(),
+        }
+    }
+
+    /// Takes the bytes of one read, which ended at `arrival`; hands each sample to `out`.
+    pub fn push(&mut self, bytes: &[u8], arrival: Nanos, mut out: impl FnMut(Sample)) {
+        for (index, &byte) in bytes.iter().enumerate() {
+            let Some(record) = self.decoder.push(byte) else {
+                continue;
+            };
+            // The line's own speed tells when the record began, however late the bytes were read.
+            let since = bytes.len() - 1 - index + self.record_length;
+            let began = arrival - self.byte_time * u32::try_from(since).unwrap_or(u32::MAX);
+            let sample = self.sample(record.bird, &record.words, began);
+            self.counts.samples += u64::from(sample.is_some());
+            if let Some(sample) = sample {
+                out(sample);
+            }
+        }
+    }
+
+    /// Forgets what came before, as after a restart of the device.
+    pub fn restart(&mut self) {
+        self.decoder.restart();
+        for bird in &mut self.birds {
+            *bird = Bird {
+                newest: bird.newest,
+                ..Bird::default()
+            };
+        }
+    }
+
+    /// What it has seen.
+    #[must_use]
+    pub fn counts(&self) -> StreamCounts {
+        StreamCounts {
+            decoder: self.decoder.counts(),
+            ..self.counts
+        }
+    }
+
+    fn sample(&mut self, number: u32, words: &Words, began: Nanos) -> Option<Sample> {
+        let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
+        if bird.words.as_ref() == Some(words) {
+            bird.equal = bird.equal.saturating_add(1);
+        } else {
+            bird.equal = 1;
+            bird.words = Some(*words);
+        }
+        let Some(pose) = self.scale.pose(words) else {
+            self.counts.not_unit += 1;
+            return None;
+        };
+        let time = began.max(bird.newest + Duration::from_nanos(1));
+        if !bird.gate.admits(&self.limits, time, &pose) {
+            self.counts.refused += 1;
+            return None;
+        }
+        bird.newest = time;
+        Some(Sample {
+            sensor: number,
+            time,
+            table_from_sensor: self.table_from_tracker * pose,
+            frozen: bird.equal >= FROZEN_AFTER,
+        })
+    }
+}
+
+/// What a rig's Flock sends.
+#[must_use]
+pub fn layout(flock: &Flock) -> Layout {
+    if flock.group {
+        Layout::grouped(&flock.addresses())
+    } else {
+        Layout::standalone()
+    }
+}
+
+/// From one record of a bird to the next: the measuring cycle, or what the line can carry.
+#[must_use]
+pub fn record_period(flock: &Flock) -> Duration {
+    let records = flock.birds * LONGEST_RECORD as u32;
+    (byte_time(flock.baud) * records).max(Duration::from_millis(10))
+}
+
+/// How long a byte is on the line: a start bit, eight bits, a stop bit.
+fn byte_time(baud: u32) -> Duration {
+    Duration::from_secs_f64(10.0 / f64::from(baud.max(1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flock::record::Record;
+    use glam::{DQuat, DVec3};
+    use sandtable_config::{Device, Rig};
+
+    fn flock() -> Flock {
+        let rig = Rig::builtin("workbench").unwrap();
+        let Device::Flock(flock) = &rig.devices["flock"];
+        flock.clone()
+    }
+
+    /// Cycle by cycle, the bytes of two birds on slow paths of their own.
+    fn sent(flock: &Flock, cycles: u32) -> Vec<(Nanos, Vec<u8>)> {
+        let (layout, scale) = (layout(flock), Scale::of(flock));
+        (0..cycles)
+            .map(|cycle| {
+                let mut bytes = Vec::new();
+                for bird in 1..=2 {
+                    let pose = path(bird, cycle);
+                    let words = scale.words(&pose);
+                    layout.encode(&Record { bird, words }, &mut bytes);
+                }
+                (Nanos(u64::from(cycle) * 9_680_000 + 5_000_000), bytes)
+            })
+            .collect()
+    }
+
+    fn path(bird: u32, cycle: u32) -> Rigid {
+        let t = f64::from(cycle) * 0.00968;
+        let turn = DQuat::from_rotation_z(0.4 * t + f64::from(bird));
+        Rigid::new(turn, DVec3::new(0.3 * t.sin(), 0.1 * f64::from(bird), -0.5))
+    }
+
+    fn samples(flock: &Flock, chunks: &[(Nanos, Vec<u8>)]) -> Vec<Sample> {
+        let mut stream = FlockStream::new(flock);
+        let mut samples = Vec::new();
+        for (arrival, bytes) in chunks {
+            stream.push(bytes, *arrival, |sample| samples.push(sample));
+        }
+        samples
+    }
+
+    /// The nearest that a sample is to any pose sent for its sensor.
+    fn error(flock: &Flock, sample: &Sample, cycles: u32) -> f64 {
+        (0..cycles)
+            .map(|cycle| {
+                let sent = flock.table_from_tracker * path(sample.sensor, cycle);
+                (sent.translation - sample.table_from_sensor.translation).length()
+                    + sent
+                        .rotation
+                        .angle_between(sample.table_from_sensor.rotation)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn poses_come_out_in_the_tables_frame() {
+        let flock = flock();
+        let samples = samples(&flock, &sent(&flock, 50));
+        // The first record of each bird waits for a second to vouch for it.
+        assert_eq!(samples.len(), 2 * 49);
+        for sample in &samples {
+            assert!(error(&flock, sample, 50) < 1e-3);
+            assert!(sample.table_from_sensor.translation.z > 0.0);
+        }
+        assert!(
+            samples
+                .iter()
+                .filter(|s| s.sensor == 1)
+                .is_sorted_by_key(|s| s.time)
+        );
+    }
+
+    #[test]
+    fn how_the_bytes_were_cut_into_reads_changes_no_pose() {
+        let flock = flock();
+        let chunks = sent(&flock, 30);
+        let whole: Vec<Rigid> = samples(&flock, &chunks)
+            .iter()
+            .map(|s| s.table_from_sensor)
+            .collect();
+        let all: Vec<u8> = chunks.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+        for size in [1, 7, 64] {
+            let cut: Vec<(Nanos, Vec<u8>)> = all
+                .chunks(size)
+                .enumerate()
+                .map(|(i, bytes)| {
+                    (
+                        Nanos((i * size) as u64 * 322_000 + 5_000_000),
+                        bytes.to_vec(),
+                    )
+                })
+                .collect();
+            let got: Vec<Rigid> = samples(&flock, &cut)
+                .iter()
+                .map(|s| s.table_from_sensor)
+                .collect();
+            assert_eq!(got, whole, "reads of {size}");
+        }
+    }
+
+    #[test]
+    fn bytes_read_late_are_dated_by_the_line() {
+        let flock = flock();
+        let mut chunks = sent(&flock, 10);
+        let late: Vec<u8> = chunks.drain(6..).flat_map(|(_, bytes)| bytes).collect();
+        chunks.push((Nanos(100_000_000), late));
+        let samples = samples(&flock, &chunks);
+        let last = samples.last().unwrap();
+        // 15 bytes of 10 bits at 115200 baud.
+        assert_eq!(last.time, Nanos(100_000_000 - 15 * 86_806));
+        assert!(
+            samples
+                .iter()
+                .filter(|s| s.sensor == 2)
+                .is_sorted_by_key(|s| s.time)
+        );
+    }
+
+    #[test]
+    fn a_hundred_equal_records_are_frozen() {
+        let flock = flock();
+        let (_, bytes) = sent(&flock, 1).remove(0);
+        let chunks: Vec<_> = (0..120u64)
+            .map(|i| (Nanos(i * 10_000_000), bytes.clone()))
+            .collect();
+        let samples = samples(&flock, &chunks);
+        let of_bird_1: Vec<bool> = samples
+            .iter()
+            .filter(|s| s.sensor == 1)
+            .map(|s| s.frozen)
+            .collect();
+        // The first record was not let out, so record 100 is sample 99.
+        assert_eq!(of_bird_1.iter().position(|&frozen| frozen), Some(98));
+        assert!(of_bird_1[98..].iter().all(|&frozen| frozen));
+    }
+
+    #[test]
+    fn flock_every_byte_lost_doubled_or_unphased_lets_no_wrong_pose_out() {
+        let flock = flock();
+        let chunks = sent(&flock, 12);
+        let all: Vec<u8> = chunks.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+        for at in 0..all.len() {
+            let mut lost = all.clone();
+            lost.remove(at);
+            let mut doubled = all.clone();
+            doubled.insert(at, all[at]);
+            let mut turned = all.clone();
+            turned[at] ^= 0x80;
+            for bad in [lost, doubled, turned] {
+                let cut: Vec<_> = bad
+                    .chunks(30)
+                    .enumerate()
+                    .map(|(i, bytes)| (Nanos(i as u64 * 9_680_000 + 5_000_000), bytes.to_vec()))
+                    .collect();
+                let samples = samples(&flock, &cut);
+                assert!(samples.len() >= 2 * 11 - 2, "byte {at}: {}", samples.len());
+                for sample in samples {
+                    assert!(error(&flock, &sample, 12) < 1e-3, "byte {at}: {sample:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn runs_of_lost_bytes_pass_only_by_what_a_hand_could_do() {
+        let flock = flock();
+        let chunks = sent(&flock, 12);
+        let all: Vec<u8> = chunks.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+        for from in 60..all.len() - 60 {
+            for count in 2..=30 {
+                let mut bad = all.clone();
+                bad.drain(from..from + count);
+                let cut: Vec<_> = bad
+                    .chunks(30)
+                    .enumerate()
+                    .map(|(i, bytes)| (Nanos(i as u64 * 9_680_000 + 5_000_000), bytes.to_vec()))
+                    .collect();
+                for sample in samples(&flock, &cut) {
+                    // A whole record's length lost may join two birds' records, which no check of
+                    // bytes can see; the gate holds it to 5 m/s over three cycles and a turn.
+                    assert!(
+                        error(&flock, &sample, 12) < 0.7,
+                        "{count} from {from}: {sample:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn few_altered_payload_bits_pass_and_only_by_what_a_hand_could_do() {
+        let flock = flock();
+        let chunks = sent(&flock, 12);
+        let all: Vec<u8> = chunks.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+        for at in 0..all.len() {
+            for bit in 0..7 {
+                let mut bad = all.clone();
+                bad[at] ^= 1 << bit;
+                let cut: Vec<_> = bad
+                    .chunks(30)
+                    .enumerate()
+                    .map(|(i, bytes)| (Nanos(i as u64 * 9_680_000 + 5_000_000), bytes.to_vec()))
+                    .collect();
+                for sample in samples(&flock, &cut) {
+                    // 5 m/s and 1000 degrees/s over one cycle of 10 ms.
+                    assert!(
+                        error(&flock, &sample, 12) < 0.05 + 0.175 + 0.01,
+                        "{sample:?}"
+                    );
+                }
+            }
+        }
+    }
+}
