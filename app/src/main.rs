@@ -1,2 +1,4 @@
 //! sandtable
+mod video;
+
 fn main() {}
