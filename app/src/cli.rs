@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use sandtable_stage::StereoMode;
 use std::path::PathBuf;
 
 /// A sand table that you can walk around.
@@ -64,6 +65,18 @@ pub(crate) enum StereoArg {
     TopBottom,
     /// Red for the left eye, cyan for the right.
     Anaglyph,
+}
+
+impl StereoArg {
+    /// The stage's word for it.
+    pub(crate) fn mode(self) -> StereoMode {
+        match self {
+            Self::Mono => StereoMode::Mono,
+            Self::SideBySide => StereoMode::SideBySide,
+            Self::TopBottom => StereoMode::TopBottom,
+            Self::Anaglyph => StereoMode::Anaglyph,
+        }
+    }
 }
 
 /// Arguments of `fly`.

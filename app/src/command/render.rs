@@ -3,6 +3,7 @@
 use crate::cli::{RenderArgs, StereoArg};
 use crate::exit::usage;
 use crate::files::{write_depth, write_image};
+use crate::film::whole_frame;
 use crate::{scene, track};
 use anyhow::{Context, Result};
 use sandtable_cast::{CastPool, Image};
@@ -48,13 +49,8 @@ fn views(file: &ViewFile, stereo: StereoArg) -> Result<Vec<View>, ViewFileError>
 }
 
 /// The images of one frame, each eye at its own full size, as one picture.
-pub(crate) fn composed(images: &[Image], stereo: StereoArg) -> image::RgbaImage {
+fn composed(images: &[Image], stereo: StereoArg) -> image::RgbaImage {
     let mode = stereo.mode();
-    let [width, height] = images[0].view.size;
-    let frame = match stereo {
-        StereoArg::Mono | StereoArg::Anaglyph => [width, height],
-        StereoArg::SideBySide => [2 * width, height],
-        StereoArg::TopBottom => [width, 2 * height],
-    };
+    let frame = whole_frame(mode, images[0].view.size);
     compose(&images[0], images.last().unwrap_or(&images[0]), mode, false, frame)
 }

@@ -167,6 +167,24 @@ impl ViewFile {
         self
     }
 
+    /// The camera's field of view in radians, where the file has a camera.
+    #[must_use]
+    pub fn horizontal_fov(&self) -> Option<f64> {
+        self.camera().map(|camera| camera.horizontal_fov)
+    }
+
+    /// The camera's eyes, where the file has a camera and `stereo`.
+    #[must_use]
+    pub fn camera_stereo(&self) -> Option<Stereo> {
+        let stereo = self.table.stereo.as_ref()?;
+        let screen_distance = stereo.screen_distance?;
+        self.table.camera.as_ref()?;
+        Some(Stereo {
+            separation: stereo.separation,
+            screen_distance,
+        })
+    }
+
     fn camera(&self) -> Option<Camera> {
         self.table.camera.as_ref().map(|camera| Camera {
             eye: self.table.eye,
@@ -208,12 +226,8 @@ impl ViewFile {
     pub fn stereo(&self) -> Result<StereoPair<View>, ViewFileError> {
         let stereo = self.table.stereo.as_ref().ok_or(ViewFileError::NoStereo)?;
         let size = self.table.size;
-        if let (Some(camera), Some(screen_distance)) = (self.camera(), stereo.screen_distance) {
-            let stereo = Stereo {
-                separation: stereo.separation,
-                screen_distance,
-            };
-            return Ok(camera.stereo_views(stereo, size));
+        if let (Some(camera), Some(eyes)) = (self.camera(), self.camera_stereo()) {
+            return Ok(camera.stereo_views(eyes, size));
         }
         // The screen itself is the plane without parallax; the eyes stand along its rows.
         let window = self.window();

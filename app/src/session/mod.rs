@@ -1,0 +1,255 @@
+//! A session: a rig, a terrain, and where on it people are.
+//!
+//! Everything it shows follows from its own state and a time, so that a replay on a virtual clock
+//! shows what the live session showed.
+
+mod body;
+mod drive;
+mod sound;
+
+pub(crate) use body::Body;
+
+use crate::navigation::{FlyCamera, Pace, TableFlight};
+use crate::scene::OpenScene;
+use crate::vantage;
+use glam::DVec3;
+use sandtable_cast::{CastPool, Caster, PreparedScene};
+use sandtable_config::{Rig, Viewing};
+use sandtable_input::Hub;
+use sandtable_pose::Nanos;
+use sandtable_terrain::Ground;
+use sandtable_view::{Eyes, EyesInHead, Placement, Screen, Stereo, StereoPair, View};
+use std::sync::Arc;
+
+/// Where people look from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Viewpoint {
+    /// A camera that flies.
+    Camera {
+        /// Where it is.
+        camera: FlyCamera,
+        /// Field of view in radians.
+        horizontal_fov: f64,
+        /// Its eyes, in world metres.
+        stereo: Stereo,
+    },
+    /// Eyes at a table on which the world lies.
+    Table {
+        /// The glass, in table metres.
+        screen: Screen,
+        /// How the world lies on it.
+        flight: TableFlight,
+        /// Where the eyes sit on the head.
+        eyes: EyesInHead,
+    },
+}
+
+/// A rig, a terrain, and where on it people are.
+pub(crate) struct Session {
+    rig: Rig,
+    terrain: String,
+    caster: &'static dyn Caster,
+    prepared: Arc<dyn PreparedScene>,
+    pool: Arc<CastPool>,
+    viewpoint: Viewpoint,
+    home: Viewpoint,
+    head: Body,
+    hand: Body,
+    hub: Arc<Hub>,
+    /// The time that it shows.
+    time: Nanos,
+    /// World metres a second, for the wind.
+    airspeed: f64,
+    messages: Vec<String>,
+}
+
+impl Session {
+    /// Opens `rig` on a terrain, the world fitted to the glass or seen from an overview.
+    pub(crate) fn new(
+        rig: Rig,
+        open: &OpenScene,
+        caster: &'static dyn Caster,
+        pool: Arc<CastPool>,
+        hub: Arc<Hub>,
+    ) -> Self {
+        let ground = &open.scene.ground;
+        let viewpoint = viewpoint(&rig, ground);
+        let prepared = pool.run(|| caster.prepare(Arc::clone(&open.scene)));
+        let head = rig.head.as_ref().map_or_else(Body::default, |head| {
+            Body::new(head.sensor.clone(), head.rest)
+        });
+        let hand = rig.hand.as_ref().map_or_else(Body::default, |hand| {
+            Body::new(hand.sensor.clone(), hand.rest)
+        });
+        Self {
+            rig,
+            terrain: open.name.clone(),
+            caster,
+            prepared,
+            pool,
+            home: viewpoint.clone(),
+            viewpoint,
+            head,
+            hand,
+            hub,
+            time: Nanos::default(),
+            airspeed: 0.0,
+            messages: Vec::new(),
+        }
+    }
+
+    /// The ground in view.
+    pub(crate) fn ground(&self) -> &Ground {
+        &self.prepared.scene().ground
+    }
+
+    /// The scene, prepared by the caster in use.
+    pub(crate) fn prepared(&self) -> &Arc<dyn PreparedScene> {
+        &self.prepared
+    }
+
+    /// The rig it runs on.
+    pub(crate) fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Where people look from.
+    pub(crate) fn viewpoint_mut(&mut self) -> &mut Viewpoint {
+        &mut self.viewpoint
+    }
+
+    /// How the world lies on the table, where there is one.
+    pub(crate) fn placement(&self) -> Option<Placement> {
+        match &self.viewpoint {
+            Viewpoint::Camera { .. } => None,
+            Viewpoint::Table { flight, .. } => Some(flight.placement),
+        }
+    }
+
+    /// Lays the world on the table as it was recorded.
+    pub(crate) fn set_placement(&mut self, recorded: Placement) {
+        if let Viewpoint::Table { flight, .. } = &mut self.viewpoint {
+            flight.placement = recorded;
+            self.home = self.viewpoint.clone();
+        }
+    }
+
+    /// Takes in where head and hand are at `time`.
+    pub(crate) fn set_time(&mut self, time: Nanos) {
+        self.time = time;
+        self.head.follow(&self.hub, time);
+        self.hand.follow(&self.hub, time);
+    }
+
+    /// The eyes in table metres, at a table.
+    pub(crate) fn eyes(&self) -> Option<Eyes> {
+        match &self.viewpoint {
+            Viewpoint::Camera { .. } => None,
+            Viewpoint::Table { eyes, .. } => Some(eyes.on_table(&self.head.table_from_body())),
+        }
+    }
+
+    /// The views for eye images of `size` pixels: one, or a left and a right eye's.
+    pub(crate) fn views(&self, size: [u32; 2], stereo: bool) -> Vec<View> {
+        match &self.viewpoint {
+            Viewpoint::Camera { camera, horizontal_fov, stereo: eyes } => {
+                let camera = sandtable_view::Camera {
+                    eye: camera.eye,
+                    attitude: camera.attitude,
+                    horizontal_fov: *horizontal_fov,
+                };
+                if stereo {
+                    camera.stereo_views(*eyes, size).into_array().to_vec()
+                } else {
+                    vec![camera.view(size)]
+                }
+            }
+            Viewpoint::Table { screen, flight, eyes } => {
+                let table_from_head = self.head.table_from_body();
+                let pair = |eyes| StereoPair::on_table(eyes, screen, &flight.placement, size);
+                if stereo {
+                    pair(eyes.on_table(&table_from_head)).into_array().to_vec()
+                } else {
+                    let middle = table_from_head.point(eyes.middle);
+                    vec![pair(StereoPair { left: middle, right: middle }).left]
+                }
+            }
+        }
+    }
+
+    /// Casts by another caster from now on.
+    pub(crate) fn set_caster(&mut self, caster: &'static dyn Caster) {
+        let scene = Arc::clone(self.prepared.scene());
+        self.prepared = self.pool.run(|| caster.prepare(scene));
+        self.caster = caster;
+    }
+
+    /// How fast the flight is, in world metres a second, where it is not driven.
+    pub(crate) fn set_airspeed(&mut self, metres_per_second: f64) {
+        self.airspeed = metres_per_second;
+    }
+
+    /// Moves an untracked head once round its rest, `share` from 0 to 1: from side to side, and
+    /// over the glass.
+    pub(crate) fn sway(&mut self, share: f64) {
+        let rest = self.rig.head.as_ref().map(|head| head.rest.translation);
+        if let Some(rest) = rest {
+            let (s, c) = (share * std::f64::consts::TAU).sin_cos();
+            self.head.place(rest + DVec3::new(0.35 * s, 0.15 * (1.0 - c), 0.06 * (1.0 - c)));
+        }
+    }
+
+    /// Something that people should know, shown in the panel.
+    pub(crate) fn say(&mut self, message: impl Into<String>) {
+        const KEPT: usize = 6;
+        self.messages.push(message.into());
+        let surplus = self.messages.len().saturating_sub(KEPT);
+        self.messages.drain(..surplus);
+    }
+}
+
+/// Where a rig's people begin over `ground`.
+fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
+    let extent = ground.grid().extent();
+    let longer_side = extent.max_element();
+    match &rig.viewing {
+        Viewing::Desktop(desktop) => {
+            let horizontal_fov = desktop.horizontal_fov.to_radians();
+            let overview = vantage::overview(ground, horizontal_fov);
+            let screen_distance = desktop.screen_distance.of(longer_side);
+            Viewpoint::Camera {
+                camera: FlyCamera {
+                    eye: overview.eye,
+                    attitude: overview.attitude,
+                    pace: Pace::Constant(rig.flight.speed.of(longer_side)),
+                },
+                horizontal_fov,
+                stereo: Stereo {
+                    separation: desktop.eye_separation.of(screen_distance),
+                    screen_distance,
+                },
+            }
+        }
+        Viewing::Table(table) => {
+            let screen = Screen {
+                lower_left: table.lower_left,
+                lower_right: table.lower_right,
+                upper_left: table.upper_left,
+            };
+            let heights = ground.range().map(f64::from);
+            let placement =
+                Placement::fitted(extent, heights, &screen, table.margin, table.exaggeration);
+            let speed = rig.flight.speed.of(longer_side) / placement.scale;
+            // A table always has a head: rigs without one are refused when they are read.
+            let eyes = rig.head.as_ref().map_or(
+                EyesInHead { middle: DVec3::ZERO, rightwards: DVec3::X, interpupillary: 0.0 },
+                |head| EyesInHead {
+                    middle: head.eyes.middle,
+                    rightwards: head.eyes.rightwards,
+                    interpupillary: head.eyes.interpupillary,
+                },
+            );
+            Viewpoint::Table { screen, flight: TableFlight { placement, speed }, eyes }
+        }
+    }
+}
