@@ -97,6 +97,27 @@ impl Holes {
         self.bits[index / 64] >> (index % 64) & 1 == 1
     }
 
+    /// The columns of a row's holes, from the west.
+    pub(crate) fn in_row(&self, row: u32) -> impl Iterator<Item = u32> {
+        let start = self.index(0, row);
+        let end = start + self.cols as usize;
+        (start / 64..end.div_ceil(64)).flat_map(move |word| {
+            // The row's first and last words hold bits of its neighbours.
+            let mut bits = self.bits[word];
+            if word == start / 64 {
+                bits &= u64::MAX << (start % 64);
+            }
+            if word == end / 64 {
+                bits &= (1 << (end % 64)) - 1;
+            }
+            std::iter::from_fn(move || {
+                let bit = (bits != 0).then(|| bits.trailing_zeros())?;
+                bits &= bits - 1;
+                Some((word * 64 + bit as usize - start) as u32)
+            })
+        })
+    }
+
     /// How many posts were holes.
     #[must_use]
     pub fn count(&self) -> u64 {
@@ -349,6 +370,18 @@ fn bilinear<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rows_holes_are_those_collected() {
+        for cols in [1, 63, 64, 65, 200] {
+            let is_hole = |col: u32, row: u32| (col * 7 + row * 3).is_multiple_of(5);
+            let holes = Holes::collect(cols, 9, is_hole).unwrap();
+            for row in 0..9 {
+                let expected: Vec<_> = (0..cols).filter(|&col| is_hole(col, row)).collect();
+                assert_eq!(holes.in_row(row).collect::<Vec<_>>(), expected);
+            }
+        }
+    }
 
     #[test]
     fn heights_are_bilinear_and_end_at_the_border() {

@@ -6,12 +6,29 @@
 //!
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 
+mod builtin;
 mod colour;
+mod crs;
+mod error;
+mod fill;
+mod georeference;
 mod ground;
+mod info;
+mod open;
 mod photo;
+mod photo_file;
+mod raster;
+mod source;
 mod tiled;
 
 pub use colour::{Rgb, hypsometric};
+pub use crs::{Crs, CrsRelation, Datum, Projection, WktError};
+pub use error::TerrainError;
+pub use georeference::Georeference;
 pub use ground::{Grid, Ground, GroundError, Holes};
+pub use info::{BandInfo, Extent, FileInfo, Sample, SampleValue, info};
+pub use open::{Terrain, open, open_with_progress};
 pub use photo::Photo;
+pub use raster::{ColourRole, PixelIs, SampleType};
+pub use source::{MAX_RIDGES_SIZE, SourceError, TerrainSource};
 pub use tiled::{TILE_CELLS, TileIndex, TiledRaster};

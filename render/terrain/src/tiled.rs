@@ -81,6 +81,74 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         }
     }
 
+    /// Builds a raster from rows that come as files store them, the northern first.
+    ///
+    /// `read(first, into)` fills whole rows from row `first` on, counted from the north; it is
+    /// asked for each row once and in order. No more than one row of tiles is held beside the
+    /// raster.
+    ///
+    /// # Errors
+    /// The first error of `read`.
+    ///
+    /// # Panics
+    /// Where a side has fewer than 2 posts.
+    pub fn try_from_northern_rows<E>(
+        cols: u32,
+        rows: u32,
+        mut read: impl FnMut(u32, &mut [T]) -> Result<(), E>,
+    ) -> Result<Self, E>
+    where
+        T: Default,
+    {
+        assert!(
+            cols >= 2 && rows >= 2,
+            "a raster of {cols} by {rows} posts has no cell"
+        );
+        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
+        let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
+        let width = cols as usize;
+        let mut band = vec![T::default(); width * rows.min(TILE_CELLS + 1) as usize];
+        let mut tiles = Vec::with_capacity((tiles_across * tiles_up) as usize);
+        // Rows of tiles from the north; `north` and `south` are post rows, from the south.
+        for tile_row in (0..tiles_up).rev() {
+            let south = tile_row * TILE_CELLS;
+            let north = (rows - 1).min(south + TILE_CELLS);
+            let height = (north - south + 1) as usize;
+            // The row shared with the tiles north of these has been read.
+            let mut known = 0;
+            if tile_row + 1 < tiles_up {
+                let last = (rows - 1 - north).min(TILE_CELLS) as usize;
+                band.copy_within(last * width..(last + 1) * width, 0);
+                known = 1;
+            }
+            read(
+                rows - 1 - north + known as u32,
+                &mut band[known * width..height * width],
+            )?;
+            let band = &band;
+            tiles.par_extend((0..tiles_across).into_par_iter().rev().map(|tile_col| {
+                let west = (tile_col * TILE_CELLS) as usize;
+                let east = width.min(west + TILE_CELLS as usize + 1);
+                let posts = (0..height)
+                    .rev()
+                    .flat_map(|row| &band[row * width + west..row * width + east])
+                    .copied()
+                    .collect();
+                Arc::new(Tile {
+                    stride: east - west,
+                    posts,
+                })
+            }));
+        }
+        tiles.reverse();
+        Ok(Self {
+            cols,
+            rows,
+            tiles_across,
+            tiles,
+        })
+    }
+
     /// Number of posts from west to east.
     #[must_use]
     pub fn cols(&self) -> u32 {
@@ -127,11 +195,38 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     ///
     /// # Panics
     /// Where there is no such post.
+    #[inline]
     #[must_use]
     pub fn post(&self, col: u32, row: u32) -> T {
-        let cell = [col.min(self.cols - 2), row.min(self.rows - 2)];
-        let corner = (col - cell[0]) + 2 * (row - cell[1]);
-        self.cell(cell[0], cell[1])[corner as usize]
+        // The last post of a side that ends on a tile border has no tile of its own.
+        let tile_col = col.min(self.cols - 2) >> TILE_SHIFT;
+        let tile_row = row.min(self.rows - 2) >> TILE_SHIFT;
+        let tile = &self.tiles[(tile_row * self.tiles_across + tile_col) as usize];
+        let (x, y) = (col - tile_col * TILE_CELLS, row - tile_row * TILE_CELLS);
+        assert!(
+            (x as usize) < tile.stride,
+            "there is no post in column {col}"
+        );
+        tile.posts[y as usize * tile.stride + x as usize]
+    }
+
+    /// Replaces one post in every tile that holds it; cheap while no snapshot shares the tiles.
+    pub(crate) fn set(&mut self, col: u32, row: u32, value: T) {
+        let spans = [(col, self.cols), (row, self.rows)].map(|(at, posts)| {
+            let last = (posts - 1).div_ceil(TILE_CELLS) - 1;
+            let own = (at >> TILE_SHIFT).min(last);
+            let shared = at & TILE_MASK == 0 && at > 0;
+            let first = if shared { (at >> TILE_SHIFT) - 1 } else { own };
+            first..=own
+        });
+        for tile_row in spans[1].clone() {
+            for tile_col in spans[0].clone() {
+                let index = (tile_row * self.tiles_across + tile_col) as usize;
+                let tile = Arc::make_mut(&mut self.tiles[index]);
+                let (x, y) = (col - tile_col * TILE_CELLS, row - tile_row * TILE_CELLS);
+                tile.posts[y as usize * tile.stride + x as usize] = value;
+            }
+        }
     }
 
     /// The cell that holds `(x, y)`, in posts from the south-west one, and the place within it in
@@ -217,6 +312,44 @@ mod tests {
         }
         assert_eq!(raster.post(599, 514), (599, 514));
         assert_eq!(raster.post(0, 514), (0, 514));
+    }
+
+    #[test]
+    fn rows_from_the_north_give_the_same_raster_and_each_is_asked_for_once() {
+        for (cols, rows) in [(2, 2), (600, 515), (257, 513), (5, 514), (300, 258)] {
+            let mut next = 0;
+            let read = TiledRaster::try_from_northern_rows(cols, rows, |first, into| {
+                assert_eq!(first, next);
+                for (row, posts) in into.chunks_mut(cols as usize).enumerate() {
+                    for (col, post) in posts.iter_mut().enumerate() {
+                        *post = (col as u32, rows - 1 - first - row as u32);
+                    }
+                }
+                next = first + into.len() as u32 / cols;
+                Ok::<(), ()>(())
+            })
+            .unwrap();
+            assert_eq!(next, rows);
+            let made = TiledRaster::from_fn(cols, rows, |col, row| (col, row));
+            for tile in made.tile_indices() {
+                assert_eq!(read.tile_posts(tile), made.tile_posts(tile));
+            }
+        }
+    }
+
+    #[test]
+    fn a_post_that_is_set_reaches_every_tile_that_holds_it() {
+        let mut raster = TiledRaster::from_fn(513, 300, |_, _| 0);
+        for (col, row) in [(256, 256), (512, 0), (0, 299), (100, 256)] {
+            raster.set(col, row, 7);
+            let (edited, _) = raster.edited(col..col + 1, row..row + 1, |_, _, _| 7);
+            for tile in raster.tile_indices() {
+                // An edit is known to reach every copy of the post.
+                assert_eq!(raster.tile_posts(tile), edited.tile_posts(tile));
+            }
+            assert_eq!(raster.post(col, row), 7);
+            raster.set(col, row, 0);
+        }
     }
 
     #[test]

@@ -1,0 +1,178 @@
+//! From a source to the ground.
+
+use crate::fill::fill_holes;
+use crate::photo_file::read_photo;
+use crate::raster::{BandChoice, Header, RasterFile, open_raster};
+use crate::{Georeference, Ground, Holes, TerrainError, TerrainSource, TiledRaster, builtin};
+use std::path::Path;
+
+/// Ground, and where it comes from.
+#[derive(Debug)]
+pub struct Terrain {
+    /// What to call it: the file's name or the built-in's.
+    pub name: String,
+    /// The ground, as casters read it.
+    pub ground: Ground,
+    /// Where it lies on Earth.
+    pub georeference: Georeference,
+    /// What the user should know: assumptions made, holes filled.
+    pub notes: Vec<String>,
+}
+
+/// Opens a terrain, with a photograph over it where one is given, on the current rayon pool.
+///
+/// # Errors
+/// [`TerrainError`], which names the file, the place in it and the remedy.
+pub fn open(source: &TerrainSource, photo: Option<&Path>) -> Result<Terrain, TerrainError> {
+    open_with_progress(source, photo, &|_| ())
+}
+
+/// As [`open`], telling the share of heights read so far, in [0, 1], from time to time.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with_progress(
+    source: &TerrainSource,
+    photo: Option<&Path>,
+    progress: &dyn Fn(f32),
+) -> Result<Terrain, TerrainError> {
+    let mut terrain = match source {
+        TerrainSource::File(path) => open_file(path, progress)?,
+        TerrainSource::Ridges { size, seed } => builtin::ridges(*size, *seed)?,
+        TerrainSource::Jacksboro => builtin::jacksboro()?,
+    };
+    if let Some(path) = photo {
+        let grid = terrain.ground.grid();
+        let (photo, notes) = read_photo(path, &terrain.georeference, &grid)?;
+        terrain.ground = terrain.ground.with_photo(photo);
+        terrain.notes.extend(notes);
+    }
+    progress(1.0);
+    Ok(terrain)
+}
+
+fn open_file(path: &Path, progress: &dyn Fn(f32)) -> Result<Terrain, TerrainError> {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    terrain_from_raster(path, name, open_raster(path)?.as_mut(), progress)
+}
+
+/// Reads a raster's first band as heights.
+pub(crate) fn terrain_from_raster(
+    path: &Path,
+    name: String,
+    raster: &mut dyn RasterFile,
+    progress: &dyn Fn(f32),
+) -> Result<Terrain, TerrainError> {
+    let header = raster.header().clone();
+    if header.width < 2 || header.height < 2 {
+        return Err(TerrainError::Size {
+            path: path.to_owned(),
+            cols: header.width.into(),
+            rows: header.height.into(),
+            limit: "a terrain needs at least 2 by 2 posts".into(),
+        });
+    }
+    let georeference = Georeference::of(path, &header)?;
+    let mut notes = header.notes.clone();
+    if header.crs.is_none() && !notes.iter().any(|note| note.contains("coordinates")) {
+        notes.push("the file names no CRS; its coordinates are taken for metres".into());
+    }
+    if header.bands.len() > 1 {
+        notes.push(format!("heights are read from the first of {} bands", header.bands.len()));
+    }
+    let scaling = Scaling::of(path, &header, &mut notes)?;
+    let (mut heights, holes) = read_heights(raster, &header, &scaling, progress)?;
+    let cells = u64::from(header.width) * u64::from(header.height);
+    if holes == cells {
+        return Err(TerrainError::AllNodata { path: path.to_owned(), cells });
+    }
+    let holes = if holes == 0 {
+        None
+    } else {
+        notes.push(format!("{holes} posts without a height were filled in smoothly"));
+        let holes = Holes::collect(header.width, header.height, |col, row| {
+            heights.post(col, row).is_nan()
+        });
+        if let Some(holes) = &holes {
+            fill_holes(&mut heights, holes);
+        }
+        holes
+    };
+    let ground = Ground::new(heights, georeference.spacing())
+        .map_err(|source| TerrainError::Ground { name: name.clone(), source })?
+        .with_holes(holes);
+    Ok(Terrain { name, ground, georeference, notes })
+}
+
+/// From stored values to metres: stored · scale + offset.
+struct Scaling {
+    scale: f64,
+    offset: f64,
+}
+
+impl Scaling {
+    fn of(path: &Path, header: &Header, notes: &mut Vec<String>) -> Result<Self, TerrainError> {
+        let band = &header.bands[0];
+        let unit = band.unit.as_deref().unwrap_or("m");
+        let metres = metres_per_height_unit(unit).ok_or_else(|| {
+            TerrainError::unsupported(
+                path,
+                format!("has heights in {unit:?}"),
+                format!("say metres with: gdal_edit.py -units m {}", path.display()),
+            )
+        })?;
+        if metres != 1.0 {
+            notes.push(format!("heights in {unit:?} are converted to metres"));
+        }
+        let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+        if (scale, offset) != (1.0, 0.0) {
+            notes.push(format!("stored values are multiplied by {scale}, then {offset} is added"));
+        }
+        Ok(Self { scale: scale * metres, offset: offset * metres })
+    }
+}
+
+fn metres_per_height_unit(unit: &str) -> Option<f64> {
+    Some(match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "m" | "metre" | "meter" | "metres" | "meters" => 1.0,
+        "dm" | "decimetre" | "decimeter" => 0.1,
+        "cm" | "centimetre" | "centimeter" => 0.01,
+        "mm" | "millimetre" | "millimeter" => 0.001,
+        "km" | "kilometre" | "kilometer" => 1000.0,
+        "ft" | "foot" | "feet" | "international foot" => 0.3048,
+        "us-ft" | "ftus" | "us survey foot" | "us survey feet" | "sfoot" => 1200.0 / 3937.0,
+        _ => return None,
+    })
+}
+
+/// Heights in metres, NaN where there is none, and how many there are of those.
+fn read_heights(
+    raster: &mut dyn RasterFile,
+    header: &Header,
+    scaling: &Scaling,
+    progress: &dyn Fn(f32),
+) -> Result<(TiledRaster<f32>, u64), TerrainError> {
+    let nodata = header.bands[0].nodata;
+    let at_once = header.rows_at_once();
+    let width = header.width as usize;
+    let mut stored = Vec::new();
+    let mut holes = 0;
+    let heights = TiledRaster::try_from_northern_rows(header.width, header.height, |first, into| {
+        let mut row = first;
+        for chunk in into.chunks_mut(at_once as usize * width) {
+            let rows = (chunk.len() / width) as u32;
+            raster.read_rows(row..row + rows, BandChoice::First, &mut stored)?;
+            for (height, &value) in chunk.iter_mut().zip(&stored) {
+                *height = (value * scaling.scale + scaling.offset) as f32;
+                if header.sample.is_nodata(value, nodata) || !height.is_finite() {
+                    *height = f32::NAN;
+                    holes += 1;
+                }
+            }
+            row += rows;
+            progress(row as f32 / header.height as f32);
+        }
+        Ok::<(), TerrainError>(())
+    })?;
+    Ok((heights, holes))
+}

@@ -1,0 +1,166 @@
+//! Photographs in files, and where they lie over a terrain.
+
+mod picture;
+mod tiff;
+
+use crate::raster::{WorldFile, check_size, first_bytes, is_tiff, sidecar};
+use crate::{Crs, CrsRelation, Georeference, Grid, Photo, TerrainError, TiledRaster};
+use glam::DVec2;
+use std::path::Path;
+
+/// A pixel: red, green, blue and coverage.
+type Pixel = [u8; 4];
+
+/// An open photograph, its pixels still in the file.
+trait PhotoFile {
+    fn size(&self) -> [u32; 2];
+
+    /// Fills whole rows, counted from the north, in order and each once.
+    fn read_rows(&mut self, first: u32, into: &mut [Pixel]) -> Result<(), TerrainError>;
+
+    /// Where the file itself says that it lies.
+    fn place(&self) -> Place;
+
+    fn notes(&self) -> Vec<String>;
+}
+
+/// What a photograph's file says about where it lies.
+#[derive(Default)]
+struct Place {
+    /// GDAL's six coefficients.
+    transform: Option<[f64; 6]>,
+    crs: Option<Crs>,
+}
+
+/// Reads a photograph and lays it over a terrain; the second part is what the user should know.
+pub(crate) fn read_photo(
+    path: &Path,
+    terrain: &Georeference,
+    grid: &Grid,
+) -> Result<(Photo, Vec<String>), TerrainError> {
+    let (start, _) = first_bytes(path)?;
+    let mut file: Box<dyn PhotoFile> = if is_tiff(&start) {
+        Box::new(tiff::TiffPhoto::open(path)?)
+    } else {
+        Box::new(picture::Picture::open(path)?)
+    };
+    let [cols, rows] = file.size();
+    check_size(path, cols.into(), rows.into())?;
+    if cols < 2 || rows < 2 {
+        return Err(TerrainError::Size {
+            path: path.to_owned(),
+            cols: cols.into(),
+            rows: rows.into(),
+            limit: "a photograph needs at least 2 by 2 pixels".into(),
+        });
+    }
+    let mut notes = file.notes();
+    let mut place = file.place();
+    if place.transform.is_none()
+        && let Some(world) = WorldFile::beside(path)?
+    {
+        place.transform = Some(world.transform);
+    }
+    if place.crs.is_none() {
+        place.crs = sidecar(path)?;
+    }
+    let edges = edges(path, &place, terrain, grid, [cols, rows], &mut notes)?;
+    compare_crs(path, place.crs.as_ref(), terrain, edges, grid, &mut notes)?;
+    let pixels = TiledRaster::try_from_northern_rows(cols, rows, |first, into| {
+        file.read_rows(first, into)
+    })?;
+    let [west, south, east, north] = edges;
+    let south_west = terrain.world_from_crs(DVec2::new(west, south));
+    let extent = terrain.world_from_crs(DVec2::new(east, north)) - south_west;
+    let spacing = extent / DVec2::new(cols.into(), rows.into());
+    Ok((Photo { pixels, origin: south_west + spacing / 2.0, spacing }, notes))
+}
+
+/// West, south, east and north edges of the photograph in the terrain's coordinates.
+fn edges(
+    path: &Path,
+    place: &Place,
+    terrain: &Georeference,
+    grid: &Grid,
+    [cols, rows]: [u32; 2],
+    notes: &mut Vec<String>,
+) -> Result<[f64; 4], TerrainError> {
+    let posts = DVec2::new(grid.cols.into(), grid.rows.into());
+    let south_west = terrain.origin - terrain.step / 2.0;
+    let north_east = south_west + terrain.step * posts;
+    let ground = [south_west.x, south_west.y, north_east.x, north_east.y];
+    let Some(transform) = place.transform else {
+        notes.push(
+            "the photograph does not say where it lies; it is stretched over the whole terrain".into(),
+        );
+        return Ok(ground);
+    };
+    let [west, dx, skew_x, north, skew_y, dy] = transform;
+    let (east, south) = (west + dx * f64::from(cols), north + dy * f64::from(rows));
+    let upright = dx > 0.0 && dy < 0.0 && skew_x == 0.0 && skew_y == 0.0;
+    if !upright || !(east > west && north > south && (east - west + north - south).is_finite()) {
+        return Err(TerrainError::Rotated { path: path.to_owned(), transform });
+    }
+    let photo = [west, south, east, north];
+    let apart = east <= ground[0] || west >= ground[2] || north <= ground[1] || south >= ground[3];
+    // Coordinates of another kind lie elsewhere too; that is for the comparison of systems.
+    let comparable = match (&place.crs, &terrain.crs) {
+        (Some(own), Some(others)) => own.is_geographic() == others.is_geographic(),
+        _ => true,
+    };
+    if apart && comparable {
+        return Err(TerrainError::PhotoElsewhere { path: path.to_owned(), photo, terrain: ground });
+    }
+    Ok(photo)
+}
+
+/// Accepts a photograph whose coordinates mean what the terrain's do, within one cell.
+fn compare_crs(
+    path: &Path,
+    photo: Option<&Crs>,
+    terrain: &Georeference,
+    [west, south, east, north]: [f64; 4],
+    grid: &Grid,
+    notes: &mut Vec<String>,
+) -> Result<(), TerrainError> {
+    let (Some(photo), Some(ground)) = (photo, terrain.crs.as_ref()) else {
+        match (photo, &terrain.crs) {
+            (None, Some(ground)) => {
+                notes.push(format!("the photograph names no CRS; the terrain's is assumed: {ground}"));
+            }
+            (Some(photo), None) => {
+                notes.push(format!("the terrain names no CRS; the photograph's is {photo}"));
+            }
+            _ => {}
+        }
+        return Ok(());
+    };
+    let (x, y) = ((west + east) / 2.0, (south + north) / 2.0);
+    let places = [[west, south], [east, south], [west, north], [east, north], [x, y]];
+    let cell = grid.cell_length();
+    let difference = match photo.relation_to(ground, &places) {
+        CrsRelation::Same => return Ok(()),
+        CrsRelation::NameOnly => {
+            notes.push(format!("the photograph's CRS {photo} differs from the terrain's {ground} in name only"));
+            return Ok(());
+        }
+        CrsRelation::Shifted(metres) if metres < cell => {
+            notes.push(format!(
+                "the photograph's CRS {photo} differs from the terrain's {ground}; that shifts it \
+                 by at most {metres:.1} m, less than a cell ({cell:.1} m), and is left so"
+            ));
+            return Ok(());
+        }
+        CrsRelation::Shifted(metres) => {
+            format!("that would shift it by {metres:.0} m, and a cell is {cell:.1} m")
+        }
+        CrsRelation::Unrelated(why) => why,
+    };
+    Err(TerrainError::PhotoCrs {
+        path: path.to_owned(),
+        photo_crs: photo.to_string(),
+        terrain_crs: ground.to_string(),
+        difference,
+        target: ground.target(),
+    })
+}

@@ -1,0 +1,97 @@
+//! PNG and JPEG pictures.
+
+use super::{PhotoFile, Pixel, Place};
+use crate::TerrainError;
+use image::{DynamicImage, GenericImageView, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::path::Path;
+
+/// Most bytes that a decoded picture may take beside the terrain.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// A decoded picture.
+pub(super) struct Picture {
+    image: DynamicImage,
+}
+
+impl Picture {
+    pub(super) fn open(path: &Path) -> Result<Self, TerrainError> {
+        let reader = ImageReader::open(path)
+            .and_then(ImageReader::with_guessed_format)
+            .map_err(|error| TerrainError::io(path, error))?;
+        if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+            return Err(TerrainError::Picture {
+                path: path.to_owned(),
+                problem: "it is none of GeoTIFF, PNG and JPEG".into(),
+                remedy: format!("convert it with: gdal_translate {} photo.tif", path.display()),
+            });
+        }
+        let damaged = |error: image::ImageError| TerrainError::Picture {
+            path: path.to_owned(),
+            problem: error.to_string(),
+            remedy: "copy or download it again".into(),
+        };
+        let mut decoder = reader.into_decoder().map_err(damaged)?;
+        let (cols, rows) = decoder.dimensions();
+        if decoder.total_bytes() > MAX_BYTES {
+            return Err(TerrainError::Picture {
+                path: path.to_owned(),
+                problem: format!(
+                    "its {cols} by {rows} pixels need {} MiB, above the limit of {} MiB",
+                    decoder.total_bytes() >> 20,
+                    MAX_BYTES >> 20
+                ),
+                remedy: format!(
+                    "cut it into tiles with: gdal_translate -co TILED=YES -co COMPRESS=DEFLATE {} photo.tif",
+                    path.display()
+                ),
+            });
+        }
+        check_compressed_size(path, decoder.total_bytes())?;
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(2 * MAX_BYTES);
+        decoder.set_limits(limits).map_err(damaged)?;
+        DynamicImage::from_decoder(decoder).map(|image| Self { image }).map_err(damaged)
+    }
+}
+
+/// Refuses a picture whose bytes cannot stand for its pixels, before memory is taken for them.
+fn check_compressed_size(path: &Path, decoded: u64) -> Result<(), TerrainError> {
+    /// Neither deflate nor a JPEG block stands for more than this many bytes a byte.
+    const MAX_RATIO: u64 = 1100;
+    let length = std::fs::metadata(path).map_err(|error| TerrainError::io(path, error))?.len();
+    if decoded > length.saturating_mul(MAX_RATIO) {
+        return Err(TerrainError::damaged(
+            path,
+            "its header",
+            format!("the file's {length} bytes cannot hold the {decoded} that it announces"),
+        ));
+    }
+    Ok(())
+}
+
+impl PhotoFile for Picture {
+    fn size(&self) -> [u32; 2] {
+        self.image.dimensions().into()
+    }
+
+    fn read_rows(&mut self, first: u32, into: &mut [Pixel]) -> Result<(), TerrainError> {
+        let cols = self.image.width();
+        for (row, pixels) in into.chunks_mut(cols as usize).enumerate() {
+            for (col, pixel) in pixels.iter_mut().enumerate() {
+                let [red, green, blue, alpha] =
+                    self.image.get_pixel(col as u32, first + row as u32).0;
+                // A pixel is there or is not: the ground has no colour to mix in.
+                *pixel = [red, green, blue, if alpha >= 128 { 255 } else { 0 }];
+            }
+        }
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        Place::default()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
