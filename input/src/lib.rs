@@ -1,6 +1,61 @@
-//! Input: devices to timestamped samples. To be filled.
+//! Input: devices to timestamped samples, recordings of them, and their replay.
+//!
+//! ```text
+//! serial port --bytes--> driver --+--> FlockStream --samples--> Hub --pose_at(t)--> viewer
+//!                                 |        ^
+//!                                 v        |
+//!                             Recorder   Replay (virtual clock)
+//! gamepad --state--> map_gamepad --> FlightAxes
+//! ```
+//!
+//! Poses are in the table's frame, in metres; inches, degrees and devices' own frames end at the
+//! drivers. Decoders are pure functions of bytes and times, so that live sessions, replay and tests
+//! run the same ones. Devices run in threads of their own and wait for nobody. Nothing here knows a
+//! pixel.
+//!
+//! A session with no device at hand: a simulated Flock, byte for byte, on a clock of its own.
+//!
+//! ```
+//! use sandtable_config::{Device, Rig};
+//! use sandtable_input::Hub;
+//! use sandtable_input::flock::{FlockStream, Motion, SimulatedFlock, SimulatorSettings};
+//! use sandtable_pose::{Nanos, Validity};
+//! use std::time::Duration;
+//!
+//! let rig = Rig::builtin("workbench").unwrap();
+//! let Device::Flock(flock) = &rig.devices["flock"];
+//! let mut device = SimulatedFlock::new(SimulatorSettings::default());
+//! let mut now = Duration::ZERO;
+//! for step in sandtable_input::flock::startup(flock) {
+//!     if let sandtable_input::flock::Action::Send(bytes) = step.action {
+//!         device.receive(&bytes, now);
+//!     }
+//!     now += step.silence;
+//! }
+//!
+//! let hub = Hub::for_rig(&rig);
+//! let mut stream = FlockStream::new(flock);
+//! let read = device.send(now + Duration::from_millis(100));
+//! let arrival = Nanos(100_000_000);
+//! stream.push(&read, arrival, |sample| hub.push("flock", sample));
+//!
+//! let head = rig.head.unwrap();
+//! let pose = hub.pose_at(&head.sensor.unwrap(), arrival).unwrap();
+//! assert_eq!(pose.validity, Validity::Live);
+//! // The simulated head rests where the rig's does.
+//! let off = pose.frame_from_body.translation - head.rest.translation;
+//! assert!(off.length() < 1e-3);
+//! ```
 
+mod clock;
+mod devices;
 mod flight;
 pub mod flock;
+mod hub;
+pub mod recording;
 
+pub use clock::Clock;
+pub use devices::{Condition, DeviceState, Devices, DevicesError};
 pub use flight::FlightAxes;
+pub use hub::Hub;
+pub use recording::{Recorder, Replay};

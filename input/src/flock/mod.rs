@@ -9,16 +9,22 @@
 //! clock. The simulator speaks the other side of the line.
 
 mod decoder;
+pub(crate) mod driver;
 mod gate;
 mod measurement;
 mod record;
+mod simulator;
 mod startup;
 mod status;
 mod stream;
 
 pub use decoder::{Decoder, DecoderCounts};
+pub use driver::FlockError;
 pub use measurement::Scale;
 pub use record::{LONGEST_RECORD, Layout, Record, Words};
+pub use simulator::{Faults, Motion, SimulatedFlock, SimulatorSettings};
+#[cfg(unix)]
+pub use simulator::{Simulator, SimulatorError};
 pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};
 pub use status::{SYSTEM_STATUS_LENGTH, UnitStatus, error_in_words, system_status_problem};
 pub use stream::{FROZEN_AFTER, FlockStream, Sample, StreamCounts, layout, record_period};

@@ -1,0 +1,517 @@
+//! The simulated device: what a Flock answers, byte for byte, by a clock that is handed in.
+
+use super::format::Format;
+use super::{Faults, SimulatorSettings};
+use crate::flock::record::encode_words;
+use crate::flock::startup::{
+    AUTO_CONFIGURE, CHANGE, GROUP_MODE, HEMISPHERE, POINT, POSITION_SCALE, RUN, SLEEP, STREAM,
+};
+use glam::DVec3;
+use sandtable_pose::Rigid;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// A Flock of Birds without a port: takes commands, gives what its line has carried so far.
+#[derive(Clone, Debug)]
+pub struct SimulatedFlock {
+    settings: SimulatorSettings,
+    units: Vec<Unit>,
+    group: bool,
+    configured: bool,
+    /// Auto-configuring: what arrives before this is lost.
+    busy_until: Duration,
+    /// The command that is being received, with the unit that it is for.
+    command: Vec<u8>,
+    unit: Option<usize>,
+    errors: VecDeque<u8>,
+    stream: Option<Stream>,
+    /// When the first stream began: motions count from here.
+    epoch: Option<Duration>,
+    line: VecDeque<u8>,
+    line_free: Duration,
+    stream_bytes: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Unit {
+    format: Format,
+    full_scale: f64,
+    hemisphere: [u8; 2],
+    running: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Stream {
+    began: Duration,
+    /// Cycles from one record to the next: 1, 2, 8 or 32.
+    every: u32,
+    next: u32,
+}
+
+impl Unit {
+    fn powered_up() -> Self {
+        Self {
+            format: Format::POWER_UP,
+            full_scale: 36.0 * 0.0254,
+            hemisphere: [0, 0],
+            running: false,
+        }
+    }
+
+    /// The pose as measured: the field does not tell p from −p.
+    fn measured(&self, mut pose: Rigid) -> Rigid {
+        let axis = match self.hemisphere[0] {
+            0x00 => DVec3::X,
+            0x06 => DVec3::Y,
+            _ => DVec3::Z,
+        };
+        let side = if self.hemisphere[1] == 0 { axis } else { -axis };
+        if pose.translation.dot(side) < 0.0 {
+            pose.translation = -pose.translation;
+        }
+        pose
+    }
+}
+
+/// Records in a row after which one is a single step off, as in a sensor whose last bit never
+/// rests: often enough not to look frozen, seldom enough to leave a held pose what it is.
+const FLICKER: u64 = 50;
+
+/// EXAMINE 6 at 40 MHz and 103.3 Hz.
+const RATE_COUNT: [u8; 2] = [0xCE, 0x2D];
+const INVALID_COMMAND: u8 = 14;
+
+impl SimulatedFlock {
+    /// A Flock that has just been switched on.
+    #[must_use]
+    pub fn new(settings: SimulatorSettings) -> Self {
+        let birds = settings.birds.clamp(1, 4) as usize;
+        Self {
+            units: vec![Unit::powered_up(); birds],
+            group: false,
+            configured: false,
+            busy_until: Duration::ZERO,
+            command: Vec::new(),
+            unit: None,
+            errors: VecDeque::new(),
+            stream: None,
+            epoch: None,
+            line: VecDeque::new(),
+            line_free: Duration::ZERO,
+            stream_bytes: 0,
+            settings,
+        }
+    }
+
+    /// Takes what the host has sent by `now`.
+    pub fn receive(&mut self, bytes: &[u8], now: Duration) {
+        for &byte in bytes {
+            if now < self.busy_until {
+                self.command.clear();
+                self.unit = None;
+                continue;
+            }
+            if self.command.is_empty() && byte & 0xF0 == 0xF0 {
+                self.unit = usize::from(byte & 0x0F).checked_sub(1);
+                continue;
+            }
+            self.command.push(byte);
+            let Some(length) = command_length(&self.command) else {
+                self.error(INVALID_COMMAND);
+                self.command.clear();
+                self.unit = None;
+                continue;
+            };
+            if self.command.len() == length {
+                let command = std::mem::take(&mut self.command);
+                let unit = self.unit.take().unwrap_or(0);
+                if unit < self.units.len() {
+                    self.obey(&command, unit, now);
+                } else {
+                    // 13: no answer from a unit.
+                    self.error(13);
+                }
+            }
+        }
+    }
+
+    /// The bytes that the line has carried by `now` and not given before.
+    pub fn send(&mut self, now: Duration) -> Vec<u8> {
+        let mut out = Vec::new();
+        while let Some((began, due)) = self.next_cycle().filter(|(_, due)| *due <= now) {
+            self.carry(due, &mut out);
+            self.cycle(began, due);
+        }
+        self.carry(now, &mut out);
+        out
+    }
+
+    /// How long nothing more comes after `now`, if the host stays silent; `None` for ever.
+    #[must_use]
+    pub fn quiet_for(&self, now: Duration) -> Option<Duration> {
+        let cycle = self.next_cycle().map(|(_, due)| due);
+        let line = (!self.line.is_empty()).then(|| self.line_free + self.byte_time());
+        let next = [cycle, line].into_iter().flatten().min()?;
+        Some(next.saturating_sub(now))
+    }
+
+    /// When the first stream began, which motions count from.
+    #[must_use]
+    pub fn epoch(&self) -> Option<Duration> {
+        self.epoch
+    }
+
+    fn byte_time(&self) -> Duration {
+        Duration::from_secs_f64(10.0 / f64::from(self.settings.baud.max(1)))
+    }
+
+    /// Lets the line carry bytes until `now`.
+    fn carry(&mut self, now: Duration, out: &mut Vec<u8>) {
+        let byte_time = self.byte_time();
+        while self.line_free + byte_time <= now {
+            let Some(byte) = self.line.pop_front() else {
+                break;
+            };
+            self.line_free += byte_time;
+            out.push(byte);
+        }
+    }
+
+    fn queue(&mut self, bytes: &[u8], now: Duration) {
+        if self.line.is_empty() {
+            self.line_free = self.line_free.max(now);
+        }
+        self.line.extend(bytes);
+    }
+
+    fn next_cycle(&self) -> Option<(Duration, Duration)> {
+        let stream = self.stream.as_ref()?;
+        let cycle = Duration::from_secs_f64(1.0 / self.settings.cycle_rate.clamp(1.0, 1000.0));
+        Some((stream.began, stream.began + cycle * stream.next))
+    }
+
+    /// One measuring cycle of a stream.
+    fn cycle(&mut self, began: Duration, due: Duration) {
+        let Some(stream) = self.stream.as_mut() else {
+            return;
+        };
+        let cycle = stream.next;
+        stream.next = stream.next.saturating_add(stream.every);
+        let time = due - self.epoch.unwrap_or(began);
+        // A line that is still busy with the last cycle gets the next one.
+        if !self.line.is_empty() || self.settings.faults.stalled(time) {
+            return;
+        }
+        let bytes = self.records(time, u64::from(cycle));
+        for byte in bytes {
+            self.stream_bytes += 1;
+            let dropped = self
+                .settings
+                .faults
+                .drop_every
+                .is_some_and(|n| n > 0 && self.stream_bytes.is_multiple_of(n));
+            if !dropped {
+                self.queue(&[byte], due);
+            }
+        }
+    }
+
+    /// A record of each running bird, measured `time` after the first stream began.
+    fn records(&self, time: Duration, cycle: u64) -> Vec<u8> {
+        let Faults { freeze_at, .. } = self.settings.faults;
+        let frozen = freeze_at.is_some_and(|from| time >= from);
+        let time = freeze_at.map_or(time, |from| time.min(from));
+        let mut bytes = Vec::new();
+        for (unit, address) in self.units.iter().zip(1u8..) {
+            if !unit.running || (!self.group && address > 1) {
+                continue;
+            }
+            let motion = self.settings.motion(u32::from(address));
+            let pose = motion.pose(u32::from(address), time.as_secs_f64());
+            let mut words = unit.format.words(&unit.measured(pose), unit.full_scale);
+            if !frozen
+                && cycle % FLICKER == FLICKER - 1
+                && let Some(word) = words.first_mut()
+            {
+                *word ^= 4;
+            }
+            encode_words(&words, &mut bytes);
+            if self.group {
+                bytes.push(address);
+            }
+        }
+        bytes
+    }
+
+    fn obey(&mut self, command: &[u8], unit: usize, now: Duration) {
+        match *command {
+            [POINT] => self.point(now),
+            [STREAM | b'Q'] => self.start_stream(1, now),
+            [b'R'] => self.start_stream(2, now),
+            [b'S'] => self.start_stream(8, now),
+            [b'T'] => self.start_stream(32, now),
+            [RUN] => self.units.iter_mut().for_each(|unit| unit.running = true),
+            [SLEEP] => self.units.iter_mut().for_each(|unit| unit.running = false),
+            [HEMISPHERE, axis, sign] => self.units[unit].hemisphere = [axis, sign],
+            [b'O', parameter] => self.examine(parameter, unit, now),
+            [CHANGE, AUTO_CONFIGURE, units] => {
+                if usize::from(units) > self.units.len() {
+                    self.error(13);
+                }
+                self.units.fill(Unit {
+                    running: true,
+                    ..Unit::powered_up()
+                });
+                self.configured = true;
+                self.busy_until = now + self.settings.auto_configuration;
+            }
+            [CHANGE, GROUP_MODE, on] => self.group = on != 0,
+            [CHANGE, POSITION_SCALE, wide, _] => {
+                let inches = if wide == 0 { 36.0 } else { 72.0 };
+                self.units[unit].full_scale = inches * 0.0254;
+            }
+            [command] => {
+                if let Some(format) = Format::of_command(command) {
+                    self.units[unit].format = format;
+                }
+            }
+            // The rest changes nothing that a host can see here.
+            _ => {}
+        }
+    }
+
+    /// Ends the stream, or gives one record of each bird.
+    fn point(&mut self, now: Duration) {
+        if self.stream.take().is_none() {
+            let time = self.epoch.map_or(Duration::ZERO, |epoch| now - epoch);
+            let records = self.records(time, 0);
+            self.queue(&records, now);
+        }
+    }
+
+    fn start_stream(&mut self, every: u32, now: Duration) {
+        self.epoch.get_or_insert(now);
+        self.stream = Some(Stream {
+            began: now,
+            every,
+            next: 0,
+        });
+    }
+
+    fn examine(&mut self, parameter: u8, unit: usize, now: Duration) {
+        // A unit that streams examines nothing.
+        if self.stream.is_some() {
+            return self.error(INVALID_COMMAND);
+        }
+        let bird = &self.units[unit];
+        let answer = match parameter {
+            0 => {
+                let status = bird.format.number << 1
+                    | u16::from(!bird.running) << 5
+                    | u16::from(bird.running) << 12
+                    | u16::from(!self.errors.is_empty()) << 13
+                    | u16::from(self.configured) << 14
+                    | u16::from(unit == 0) << 15;
+                status.to_le_bytes().to_vec()
+            }
+            1 => vec![3, 0x43],
+            2 => vec![40, 0],
+            3 => vec![u8::from(bird.full_scale > 1.0), 0],
+            6 => RATE_COUNT.to_vec(),
+            10 => vec![self.errors.pop_front().unwrap_or(0)],
+            15 => b"6DFOB     ".to_vec(),
+            19 => vec![0],
+            21 => vec![unit as u8 + 1],
+            22 => bird.hemisphere.to_vec(),
+            35 => vec![u8::from(self.group)],
+            36 => {
+                let mut status = vec![0; 14];
+                for (i, (byte, unit)) in status.iter_mut().zip(&self.units).enumerate() {
+                    // Accessible, with a sensor; the first one with the transmitter.
+                    *byte = 0xA0 | u8::from(unit.running) << 6 | u8::from(i == 0);
+                }
+                status
+            }
+            _ => return self.error(INVALID_COMMAND),
+        };
+        self.queue(&answer, now);
+    }
+
+    fn error(&mut self, code: u8) {
+        if self.errors.len() < 16 {
+            self.errors.push_back(code);
+        }
+    }
+}
+
+/// How many bytes the command has that begins so, or `None` where there is none.
+fn command_length(begun: &[u8]) -> Option<usize> {
+    let (&command, data) = begun.split_first()?;
+    let data_length = match command {
+        POINT | STREAM | RUN | SLEEP | b'Q'..=b'T' | b'V'..=b'Z' | b'\\' | b']' | b'N' | b'/' => 0,
+        0x11 | 0x13 => 0,
+        b'O' | b'M' | b'0' => 1,
+        HEMISPHERE | b'A' => 2,
+        b'r' | b'q' => 6,
+        b'H' | b'J' => 12,
+        CHANGE => match data.first() {
+            // Its parameter tells how much follows.
+            None => 1,
+            Some(3 | 4 | 7 | 22 | 32) => 1 + 2,
+            Some(5 | 12 | 13) => 1 + 14,
+            Some(23 | 24) => 1 + 6,
+            Some(8 | 9 | 11 | 14 | 17 | 18 | 20 | 21 | 35 | 50) => 1 + 1,
+            Some(_) => return None,
+        },
+        _ => return None,
+    };
+    Some(1 + data_length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Motion;
+    use super::*;
+    use crate::flock::{Decoder, Layout, Scale};
+    use sandtable_config::{QuaternionSign, Range};
+
+    fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    /// A Flock of three that was started as a well known host starts it, at one second.
+    fn started(settings: SimulatorSettings) -> SimulatedFlock {
+        let mut flock = SimulatedFlock::new(settings);
+        flock.receive(b"B", ms(0));
+        flock.receive(&[0x50, 0x32, 3], ms(100));
+        let settings = [
+            0x50, 0x23, 1, 0xF1, 0x5D, 0xF2, 0x5D, 0xF3, 0x5D, 0xF1, 0x4C, 0x0C, 1, 0xF2, 0x4C,
+            0x0C, 1, 0xF3, 0x4C, 0x0C, 1,
+        ];
+        flock.receive(&settings, ms(500));
+        assert!(flock.send(ms(600)).is_empty());
+        flock.receive(&[0x4F, 0x24], ms(600));
+        let status = flock.send(ms(700));
+        assert_eq!(status[..4], [0xE1, 0xE0, 0xE0, 0]);
+        assert_eq!(status.len(), 14);
+        flock.receive(&[0x4F, 2, 0x4F, 6], ms(700));
+        assert_eq!(flock.send(ms(800)), [40, 0, 0xCE, 0x2D]);
+        flock.receive(b"@", ms(1000));
+        flock
+    }
+
+    fn three() -> SimulatorSettings {
+        SimulatorSettings {
+            birds: 3,
+            motions: vec![Motion::hold([12.0, 3.0, -5.0], [30.0, 20.0, 10.0])],
+            ..SimulatorSettings::default()
+        }
+    }
+
+    #[test]
+    fn it_starts_by_a_well_known_hosts_commands_and_sends_the_worked_record() {
+        let mut flock = started(three());
+        let bytes = flock.send(ms(1010));
+        let worked = [
+            0xAA, 0x15, 0x2A, 0x05, 0x0E, 0x77, 0x73, 0x3C, 0x47, 0x7D, 0x71, 0x73, 0x57, 0x70, 1,
+        ];
+        assert_eq!(bytes[..15], worked);
+        assert_eq!((bytes[29], bytes[44]), (2, 3));
+    }
+
+    #[test]
+    fn its_stream_keeps_to_the_cycle_and_to_the_line() {
+        let mut flock = started(three());
+        let bytes = flock.send(ms(2000)).len();
+        assert!((103 * 45..=104 * 45).contains(&bytes), "{bytes}");
+        let mut slow = started(SimulatorSettings {
+            baud: 9600,
+            ..three()
+        });
+        let bytes = slow.send(ms(2000)).len();
+        assert!((700..=960).contains(&bytes), "{bytes}");
+        // The host ends it.
+        flock.receive(b"BG", ms(2000));
+        flock.send(ms(2100));
+        assert!(flock.send(ms(3000)).is_empty());
+        assert_eq!(flock.quiet_for(ms(3000)), None);
+    }
+
+    #[test]
+    fn its_faults_are_those_asked_for() {
+        let mut flock = started(SimulatorSettings {
+            faults: Faults {
+                drop_every: Some(50),
+                stalls: vec![(ms(500), ms(1000))],
+                freeze_at: None,
+            },
+            ..three()
+        });
+        let before = flock.send(ms(1500)).len();
+        assert!(
+            (52 * 45 * 49 / 50 - 45..=52 * 45 * 49 / 50 + 45).contains(&before),
+            "{before}"
+        );
+        assert!(flock.send(ms(2490)).len() < 45);
+        assert!(!flock.send(ms(2520)).is_empty());
+    }
+
+    #[test]
+    fn a_held_pose_flickers_now_and_then_and_a_frozen_one_never() {
+        for (freeze_at, expected) in [(None, 2), (Some(ms(0)), 0)] {
+            let mut flock = started(SimulatorSettings {
+                faults: Faults {
+                    freeze_at,
+                    ..Faults::default()
+                },
+                ..three()
+            });
+            let bytes = flock.send(ms(2000));
+            let mut decoder = Decoder::new(Layout::grouped(&[1, 2, 3]));
+            let records: Vec<_> = bytes.iter().filter_map(|&b| decoder.push(b)).collect();
+            let of_bird_1: Vec<_> = records.iter().filter(|r| r.bird == 1).collect();
+            let odd = of_bird_1
+                .iter()
+                .filter(|r| r.words != of_bird_1[0].words)
+                .count();
+            assert_eq!(odd, expected);
+        }
+    }
+
+    #[test]
+    fn a_sensor_in_the_other_half_space_is_reported_mirrored() {
+        let mut flock = started(three());
+        flock.receive(b"B", ms(1100));
+        flock.receive(&[0xF1, 0x4C, 0x0C, 0], ms(1110));
+        flock.send(ms(1200));
+        flock.receive(b"B", ms(1200));
+        let bytes = flock.send(ms(1300));
+        let record = Layout::grouped(&[1, 2, 3]).decode(&bytes[..15]).unwrap();
+        let pose = Scale::new(Range::Inches36, QuaternionSign::Conjugate)
+            .pose(&record.words)
+            .unwrap();
+        assert!((pose.translation.z - 5.0 * 0.0254).abs() < 2e-4);
+    }
+
+    #[test]
+    fn what_arrives_while_it_configures_is_lost_and_nonsense_is_an_error() {
+        let mut flock = SimulatedFlock::new(three());
+        flock.receive(&[0x50, 0x32, 3], ms(0));
+        flock.receive(&[0x50, 0x23, 1], ms(100));
+        flock.receive(&[0x4F, 35], ms(400));
+        assert_eq!(flock.send(ms(500)), [0]);
+        flock.receive(&[0x01, 0x4F, 10, 0x4F, 10], ms(500));
+        assert_eq!(flock.send(ms(600)), [INVALID_COMMAND, 0]);
+    }
+
+    #[test]
+    fn no_commands_make_it_panic() {
+        let mut flock = SimulatedFlock::new(SimulatorSettings::default());
+        let mut state = 1u32;
+        for step in 0..20_000 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            flock.receive(&[(state >> 24) as u8], Duration::from_micros(step * 300));
+            flock.send(Duration::from_micros(step * 300));
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! A simulated Flock of Birds: the other side of the line.
+//!
+//! [`SimulatedFlock`] answers commands and streams records as a pure state machine; [`Simulator`]
+//! runs one on a pseudo-terminal, so that the real driver can open it as it would a serial port.
+
+mod device;
+mod format;
+mod motion;
+#[cfg(unix)]
+mod pty;
+
+pub use device::SimulatedFlock;
+pub use motion::Motion;
+#[cfg(unix)]
+pub use pty::{Simulator, SimulatorError};
+
+use std::time::Duration;
+
+/// What is simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatorSettings {
+    /// How many birds, 1 to 4.
+    pub birds: u32,
+    /// Bits a second: the stream is no faster than this line would carry it.
+    pub baud: u32,
+    /// Measuring cycles a second.
+    pub cycle_rate: f64,
+    /// How each bird moves, bird 1 first; where there are fewer, the last one serves the rest.
+    pub motions: Vec<Motion>,
+    /// How long auto-configuration takes; what arrives in it is lost.
+    pub auto_configuration: Duration,
+    /// What goes wrong.
+    pub faults: Faults,
+}
+
+impl Default for SimulatorSettings {
+    /// Two birds at rest on a fast line.
+    fn default() -> Self {
+        Self {
+            birds: 2,
+            baud: 115_200,
+            cycle_rate: 103.3,
+            motions: vec![Motion::Still],
+            auto_configuration: Duration::from_millis(300),
+            faults: Faults::default(),
+        }
+    }
+}
+
+impl SimulatorSettings {
+    /// How bird `bird` (from 1) moves.
+    #[must_use]
+    pub fn motion(&self, bird: u32) -> Motion {
+        let index = (bird as usize).saturating_sub(1);
+        let motion = self.motions.get(index).or(self.motions.last());
+        motion.copied().unwrap_or(Motion::Still)
+    }
+}
+
+/// What goes wrong on the line, by the stream's own time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// Every Nth byte of the stream is lost.
+    pub drop_every: Option<u64>,
+    /// Silences: from when, and for how long.
+    pub stalls: Vec<(Duration, Duration)>,
+    /// From here on every record is the same to the bit.
+    pub freeze_at: Option<Duration>,
+}
+
+impl Faults {
+    fn stalled(&self, time: Duration) -> bool {
+        self.stalls
+            .iter()
+            .any(|(from, lasting)| time >= *from && time < *from + *lasting)
+    }
+}

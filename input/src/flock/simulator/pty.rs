@@ -1,0 +1,151 @@
+//! The simulated Flock on a pseudo-terminal.
+
+use super::{SimulatedFlock, SimulatorSettings};
+use serialport::{SerialPort, TTYPort};
+use std::io::{ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A simulated Flock that runs in a thread of its own until it is stopped or dropped.
+#[derive(Debug)]
+pub struct Simulator {
+    path: PathBuf,
+    link: Option<PathBuf>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Why a simulator cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulatorError {
+    /// The system gives no pseudo-terminal.
+    #[error("cannot open a pseudo-terminal ({0}); check that /dev/ptmx and /dev/pts are there")]
+    NoTerminal(#[source] serialport::Error),
+    /// The link's place is taken.
+    #[error(
+        "{path:?} exists and is not a link of an ended simulator; remove it or name another path"
+    )]
+    LinkTaken {
+        /// Where the link should be.
+        path: PathBuf,
+    },
+    /// The link cannot be made.
+    #[error(
+        "cannot make the link {path:?} ({source}); name a path in a folder that you may write to"
+    )]
+    Link {
+        /// Where the link should be.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// No thread can be started.
+    #[error("cannot start the simulator's thread ({0}); end other programs")]
+    Thread(#[source] std::io::Error),
+}
+
+impl Simulator {
+    /// Starts a simulated Flock; `link` becomes a symbolic link to its terminal for as long as it
+    /// runs.
+    ///
+    /// # Errors
+    /// Where there is no pseudo-terminal, or the link's place is taken.
+    pub fn start(settings: SimulatorSettings, link: Option<&Path>) -> Result<Self, SimulatorError> {
+        let (mut host_side, device_side) = TTYPort::pair().map_err(SimulatorError::NoTerminal)?;
+        let path = PathBuf::from(device_side.name().unwrap_or_default());
+        if let Some(link) = link {
+            make_link(&path, link)?;
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let thread = std::thread::Builder::new()
+            .name("simulated flock".into())
+            .spawn(move || {
+                run(&mut host_side, SimulatedFlock::new(settings), &stopped);
+                // Held open so that the terminal outlives the hosts that come and go.
+                drop(device_side);
+            })
+            .map_err(SimulatorError::Thread)?;
+        Ok(Self {
+            path,
+            link: link.map(Path::to_owned),
+            stop,
+            thread: Some(thread),
+        })
+    }
+
+    /// The terminal's path, as `/dev/pts/7`.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Ends the simulation, closes the terminal and removes the link.
+    pub fn stop(mut self) {
+        self.end();
+    }
+
+    fn end(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic in it has been printed; there is nothing left to clean up.
+            let _ = thread.join();
+        }
+        if let Some(link) = self.link.take()
+            && std::fs::read_link(&link).is_ok_and(|target| target == self.path)
+        {
+            let _ = std::fs::remove_file(&link);
+        }
+    }
+}
+
+impl Drop for Simulator {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+fn run(port: &mut TTYPort, mut flock: SimulatedFlock, stop: &AtomicBool) {
+    let start = Instant::now();
+    let mut bytes = [0; 256];
+    while !stop.load(Ordering::Relaxed) {
+        let quiet = flock
+            .quiet_for(start.elapsed())
+            .map_or(Duration::from_millis(20), |quiet| {
+                quiet.clamp(Duration::from_millis(1), Duration::from_millis(20))
+            });
+        let _ = port.set_timeout(quiet);
+        match port.read(&mut bytes) {
+            Ok(count) => flock.receive(&bytes[..count], start.elapsed()),
+            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
+            // The terminal is gone; nothing can be simulated on it.
+            Err(_) => return,
+        }
+        let sent = flock.send(start.elapsed());
+        // A terminal that nobody reads fills up; as on a real line, what does not fit is lost.
+        let _ = port.set_timeout(Duration::from_millis(1));
+        let _ = port.write_all(&sent);
+    }
+}
+
+fn make_link(target: &Path, link: &Path) -> Result<(), SimulatorError> {
+    if let Ok(metadata) = std::fs::symlink_metadata(link) {
+        // A simulator that was killed leaves its link behind, to a terminal that is gone.
+        let stale = metadata.is_symlink()
+            && std::fs::read_link(link)
+                .is_ok_and(|old| old.starts_with("/dev/pts") && !old.exists());
+        if !stale {
+            return Err(SimulatorError::LinkTaken {
+                path: link.to_owned(),
+            });
+        }
+        let _ = std::fs::remove_file(link);
+    }
+    std::os::unix::fs::symlink(target, link).map_err(|source| SimulatorError::Link {
+        path: link.to_owned(),
+        source,
+    })
+}

@@ -1,0 +1,350 @@
+//! The whole way of a pose: simulated Flock on a pseudo-terminal, driver, hub.
+#![cfg(unix)]
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test's helpers may fail as its body may"
+)]
+
+use sandtable_config::{Device, Rig, SensorName};
+use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
+use sandtable_input::{Clock, Condition, Devices, Hub};
+use sandtable_pose::{Nanos, Pose, Rigid, Validity};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A device that is tried again every half second, on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// The workbench with its Flock at `port`, its silences short so that tests are.
+fn rig(port: &Path) -> Rig {
+    let mut rig = Rig::builtin("workbench").unwrap();
+    rig.set_port("flock", port).unwrap();
+    let Some(Device::Flock(flock)) = rig.devices.get_mut("flock") else {
+        panic!("the workbench has a Flock");
+    };
+    flock.silence_before = Duration::from_millis(50);
+    flock.silence_after = Duration::from_millis(80);
+    rig
+}
+
+fn settings() -> SimulatorSettings {
+    SimulatorSettings {
+        auto_configuration: Duration::from_millis(30),
+        ..SimulatorSettings::default()
+    }
+}
+
+/// A rig's devices at work.
+struct Session {
+    hub: Arc<Hub>,
+    clock: Clock,
+    devices: Devices,
+    rig: Rig,
+}
+
+impl Session {
+    fn start(port: &Path) -> Self {
+        let rig = rig(port);
+        let hub = Arc::new(Hub::for_rig(&rig));
+        let clock = Clock::start();
+        let devices = Devices::start(&rig, &hub, clock, None).unwrap();
+        Self {
+            hub,
+            clock,
+            devices,
+            rig,
+        }
+    }
+
+    fn now(&self) -> Nanos {
+        self.clock.now()
+    }
+
+    fn pose(&self, number: u32) -> Option<Pose> {
+        self.hub.pose_at(&sensor(number), self.now())
+    }
+
+    /// The error that its device shows, if it is waiting for one to end.
+    fn problem(&self) -> Option<String> {
+        match self.devices.states().remove(0).condition {
+            Condition::Waiting(text) => Some(text),
+            Condition::Starting | Condition::Streaming => None,
+        }
+    }
+
+    fn expected(&self, motion: Motion, number: u32, seconds: f64) -> Rigid {
+        let Device::Flock(flock) = &self.rig.devices["flock"];
+        flock.table_from_tracker * motion.pose(number, seconds)
+    }
+
+    /// Every pose that the sensor had since `from`.
+    fn poses_since(&self, number: u32, from: Nanos) -> Vec<Pose> {
+        let mut poses = Vec::new();
+        let mut time = self.now();
+        while let Some(pose) = self.hub.pose_at(&sensor(number), time) {
+            if pose.time <= from {
+                break;
+            }
+            time = pose.time - Duration::from_nanos(1);
+            poses.push(pose);
+        }
+        poses.reverse();
+        poses
+    }
+}
+
+fn sensor(number: u32) -> SensorName {
+    SensorName {
+        device: "flock".into(),
+        number,
+    }
+}
+
+/// Waits until `found` gives something; fails by name where it never does.
+fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = found() {
+            return found;
+        }
+        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn wait_until_live(session: &Session) {
+    wait_for("live poses of both birds", || {
+        let live = |n| {
+            session
+                .pose(n)
+                .is_some_and(|p| p.validity == Validity::Live)
+        };
+        (live(1) && live(2)).then_some(())
+    });
+}
+
+/// How far a pose is from the nearest that was ever sent, in metres.
+fn off_path(session: &Session, motion: Motion, number: u32, pose: &Pose) -> f64 {
+    (0..2000)
+        .map(|cycle| {
+            let sent = session.expected(motion, number, f64::from(cycle) / 103.3);
+            (sent.translation - pose.frame_from_body.translation).length()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn held_poses_arrive_to_a_third_of_a_millimetre() {
+    let held = [
+        Motion::hold([-28.0, 3.0, -30.0], [10.0, 20.0, -30.0]),
+        Motion::hold([-12.0, 8.0, -20.0], [-90.0, 5.0, 170.0]),
+    ];
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            motions: held.to_vec(),
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    for (number, motion) in (1..).zip(held) {
+        let pose = session.pose(number).unwrap().frame_from_body;
+        let sent = session.expected(motion, number, 0.0);
+        // 72 inches: a step is 0.22 mm on each axis, of which the middle is off by a half.
+        let off = (pose.translation - sent.translation).abs().max_element();
+        assert!(off < 3e-4, "bird {number}: {off} m");
+        assert!(pose.rotation.angle_between(sent.rotation) < 1e-3);
+    }
+    session.devices.stop();
+    simulator.stop();
+}
+
+#[test]
+fn every_fiftieth_byte_lost_lets_no_wrong_pose_out() {
+    let motion = Motion::named("circle").unwrap();
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            motions: vec![motion],
+            faults: Faults {
+                drop_every: Some(50),
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    let counts = wait_for("four hundred samples", || {
+        let counts = session.devices.states().remove(0).counts;
+        (counts.samples >= 400).then_some(counts)
+    });
+    // One byte in 50 takes one record in 3.3 with it, and never two.
+    let lost = counts.decoder.cut_records;
+    assert!(lost >= 100, "{counts:?}");
+    assert!(counts.decoder.records >= 2 * lost, "{counts:?}");
+    assert!(counts.refused <= 4, "{counts:?}");
+    for number in 1..=2 {
+        let poses = session.poses_since(number, Nanos(0));
+        // Of 150 bytes, 10 records, bird 1 loses one and bird 2 two.
+        assert!(poses.len() >= 160, "{}", poses.len());
+        for pose in poses {
+            let off = off_path(&session, motion, number, &pose);
+            assert!(
+                off < 2e-3,
+                "bird {number} was never within {off} m of there"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_second_of_silence_is_held_then_lost_then_live_again() {
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            faults: Faults {
+                stalls: vec![(Duration::from_millis(400), Duration::from_secs(1))],
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    let last = wait_for("the silence", || {
+        let pose = session.pose(1)?;
+        (session.now().since(pose.time) > Duration::from_millis(300)).then_some(pose)
+    });
+    // By the sample's own time, so that a slow machine sees the same.
+    let at = |ms| {
+        session
+            .hub
+            .pose_at(&sensor(1), last.time + Duration::from_millis(ms))
+    };
+    assert_eq!(at(29).unwrap().validity, Validity::Live);
+    assert_eq!(at(60).unwrap().validity, Validity::Held);
+    assert_eq!(at(249).unwrap().validity, Validity::Held);
+    assert_eq!(at(251).unwrap().validity, Validity::Lost);
+    let held = at(251).unwrap().frame_from_body;
+    assert_eq!(held, last.frame_from_body);
+    let first = wait_for("the return", || {
+        session.poses_since(1, last.time).first().copied()
+    });
+    let gap = first.time.since(last.time);
+    assert!(gap > Duration::from_millis(900), "{gap:?}");
+    // It was waited out: the device was not started anew.
+    assert_eq!(session.problem(), None);
+    assert!(off_path(&session, Motion::Still, 1, &first) < 1e-3);
+}
+
+#[test]
+fn a_missing_port_says_so_and_what_helps() {
+    let session = Session::start(Path::new("/dev/ttyMISSING7"));
+    let problem = wait_for("the error", || session.problem());
+    for needle in ["/dev/ttyMISSING7", "No such file", "sandtable doctor"] {
+        assert!(problem.contains(needle), "{problem}");
+    }
+    assert_eq!(session.pose(1), None);
+}
+
+#[test]
+fn a_port_that_is_no_terminal_is_refused() {
+    let session = Session::start(Path::new("/dev/null"));
+    let problem = wait_for("the error", || session.problem());
+    assert!(problem.contains("/dev/null"), "{problem}");
+    assert!(problem.contains("serial port"), "{problem}");
+}
+
+#[test]
+fn a_device_that_goes_away_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let link: PathBuf = folder.path().join("flock");
+    let simulator = Simulator::start(settings(), Some(&link)).unwrap();
+    let session = Session::start(&link);
+    wait_until_live(&session);
+    simulator.stop();
+    assert!(!link.exists(), "the link outlived its simulator");
+    let problem = wait_for("the unplugged device's error", || session.problem());
+    assert!(problem.contains("flock"), "{problem}");
+    let lost = wait_for("the loss", || {
+        session
+            .pose(1)
+            .filter(|pose| pose.validity == Validity::Lost)
+    });
+    let simulator = Simulator::start(settings(), Some(&link)).unwrap();
+    wait_until_live(&session);
+    assert!(session.pose(1).unwrap().time > lost.time);
+    session.devices.stop();
+    simulator.stop();
+}
+
+#[test]
+fn a_bird_that_the_flock_does_not_have_is_named() {
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            birds: 1,
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    let problem = wait_for("the error", || session.problem());
+    assert!(problem.contains("unit 2 does not answer"), "{problem}");
+    // The Flock's own word for it, by EXAMINE 10.
+    assert!(problem.contains("error 13"), "{problem}");
+}
+
+#[test]
+fn a_silent_line_is_told_apart_from_a_missing_one() {
+    // A terminal with nobody behind it.
+    let (_host, device) = serialport::TTYPort::pair().unwrap();
+    let path = serialport::SerialPort::name(&device).unwrap();
+    let session = Session::start(Path::new(&path));
+    let problem = wait_for("the error", || session.problem());
+    assert!(problem.contains("does not answer (0 of 14"), "{problem}");
+    assert!(problem.contains("115200 baud"), "{problem}");
+}
+
+#[test]
+fn a_frozen_flock_is_lost_though_it_streams() {
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            cycle_rate: 400.0,
+            faults: Faults {
+                freeze_at: Some(Duration::from_millis(100)),
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    let pose = wait_for("the loss", || {
+        session
+            .pose(1)
+            .filter(|pose| pose.validity == Validity::Lost)
+    });
+    // It is lost while its bytes still come.
+    assert!(session.now().since(pose.time) < Duration::from_millis(200));
+}
+
+#[test]
+fn a_taken_path_is_not_made_a_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine");
+    std::fs::write(&path, "precious").unwrap();
+    let error = Simulator::start(settings(), Some(&path)).unwrap_err();
+    assert!(error.to_string().contains("mine"), "{error}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "precious");
+    let nowhere = folder.path().join("none/flock");
+    assert!(Simulator::start(settings(), Some(&nowhere)).is_err());
+}
