@@ -1,4 +1,5 @@
 //! sandtable
+mod doctor;
 mod video;
 
 fn main() {}
