@@ -2,6 +2,7 @@
 
 mod cli;
 mod command;
+mod doctor;
 mod exit;
 mod files;
 mod film;

@@ -1,0 +1,50 @@
+# Everything that is done with this repository, one word each; `make help` lists them.
+
+CARGO ?= cargo
+# What `make run` passes on: make run ARGS="mountains.tif --stereo anaglyph"
+ARGS ?=
+
+# A fresh rustup is there before a new shell knows of it.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+
+# Software GPU drivers complain in every run without one.
+ifndef XDG_RUNTIME_DIR
+export XDG_RUNTIME_DIR := $(CURDIR)/target/runtime
+endif
+
+.DEFAULT_GOAL := help
+.PHONY: help deps deps-test run test lint bench doc runtime
+
+help: ## List these words
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1|/p' $(MAKEFILE_LIST) | \
+		awk -F'|' '{ printf "%-18s %s\n", $$1, $$2 }'
+
+deps: ## Install what is missing to build and run (Debian; elsewhere: say what)
+	@.ci/deps build run
+
+deps-test: ## The same, and what the tests use besides
+	@.ci/deps build run test
+
+run: deps runtime ## Open the table; without a display, write a flight; ARGS="..." goes to it
+	$(CARGO) run --release --locked -- fly $(ARGS)
+
+test: deps-test runtime ## Run all tests
+	$(CARGO) test --workspace --locked
+
+lint: runtime ## Check format, lints and documentation
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
+
+bench: runtime ## Time the casters on 1 and 2 threads
+	$(CARGO) run --release --locked -- bench 'builtin:ridges?size=1025' \
+		--caster brute --caster coherent --check
+	$(CARGO) run --release --locked -- bench builtin:jacksboro \
+		--caster brute --caster coherent --check
+
+doc: ## Build the documentation of all crates
+	$(CARGO) doc --workspace --no-deps --locked
+	@echo "See target/doc/sandtable/index.html"
+
+runtime:
+	@mkdir -p -m 700 "$$XDG_RUNTIME_DIR" || true
