@@ -148,7 +148,7 @@ mod tests {
         ] {
             let size = mode.eye_size(frame);
             let hash = |i: u32, j: u32| [(i * 37 + j * 101) as u8, (i ^ j) as u8, i as u8];
-            let left = image(size, |i, j| hash(i, j));
+            let left = image(size, hash);
             let right = image(size, |i, j| hash(i + 1000, j));
             for swap in [false, true] {
                 let composed = compose(&left, &right, mode, swap, frame);
