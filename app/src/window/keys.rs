@@ -71,28 +71,41 @@ impl Command {
 
 /// The keys that are down. Keys are places on the keyboard, whatever is printed on them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct HeldKeys(HashSet<KeyCode>);
+pub(super) struct HeldKeys {
+    down: HashSet<KeyCode>,
+    /// Pressed since the last frame, so that a short tap counts for one.
+    tapped: HashSet<KeyCode>,
+}
 
 impl HeldKeys {
     pub(super) fn press(&mut self, key: KeyCode) {
-        self.0.insert(key);
+        self.down.insert(key);
+        self.tapped.insert(key);
     }
 
     pub(super) fn release(&mut self, key: KeyCode) {
-        self.0.remove(&key);
+        self.down.remove(&key);
     }
 
     /// Forgets all keys, as when the window loses the keyboard: releases are not reported then.
     pub(super) fn clear(&mut self) {
-        self.0.clear();
+        *self = Self::default();
+    }
+
+    /// A frame was driven by what they ask for.
+    pub(super) fn used(&mut self) {
+        self.tapped.clear();
+    }
+
+    fn contains(&self, key: KeyCode) -> bool {
+        self.down.contains(&key) || self.tapped.contains(&key)
     }
 
     /// The flight that they ask for.
     pub(super) fn axes(&self) -> FlightAxes {
         use KeyCode::*;
         let axis = |more, less| {
-            f64::from(u8::from(self.0.contains(&more)))
-                - f64::from(u8::from(self.0.contains(&less)))
+            f64::from(u8::from(self.contains(more))) - f64::from(u8::from(self.contains(less)))
         };
         FlightAxes {
             right: axis(KeyD, KeyA),
@@ -107,7 +120,7 @@ impl HeldKeys {
     /// How many times as fast as usual.
     pub(super) fn boost(&self) -> f64 {
         let shift = [KeyCode::ShiftLeft, KeyCode::ShiftRight];
-        if shift.iter().any(|key| self.0.contains(key)) {
+        if shift.iter().any(|key| self.contains(*key)) {
             BOOST
         } else {
             1.0
@@ -141,9 +154,20 @@ mod tests {
         held.press(KeyCode::KeyS);
         held.press(KeyCode::KeyQ);
         held.release(KeyCode::ArrowLeft);
+        held.used();
         assert_eq!(held.axes(), FlightAxes::default());
         held.clear();
         assert_eq!(held.boost(), 1.0);
+    }
+
+    #[test]
+    fn a_tap_between_two_frames_drives_one_of_them() {
+        let mut held = HeldKeys::default();
+        held.press(KeyCode::KeyR);
+        held.release(KeyCode::KeyR);
+        assert_eq!(held.axes().up, 1.0);
+        held.used();
+        assert_eq!(held.axes().up, 0.0);
     }
 
     #[test]

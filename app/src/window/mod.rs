@@ -47,8 +47,11 @@ pub(crate) struct WindowOptions {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WindowError {
     /// The session has no display.
-    #[error("no display to open a window on: {0}")]
-    NoDisplay(winit::error::EventLoopError),
+    #[error(
+        "no display to open a window on: neither WAYLAND_DISPLAY nor DISPLAY leads to a display \
+         server"
+    )]
+    NoDisplay,
     /// The display refuses a window.
     #[error("the display refuses a window: {0}")]
     NoWindow(winit::error::OsError),
@@ -95,9 +98,11 @@ impl Display {
     /// # Errors
     /// [`WindowError::NoDisplay`], on which a caller can still do without a window.
     pub(crate) fn connect() -> Result<Self, WindowError> {
-        let events = EventLoop::with_user_event()
-            .build()
-            .map_err(WindowError::NoDisplay)?;
+        let events = EventLoop::with_user_event().build().map_err(|error| {
+            // It names places in winit's source; of use to programmers only.
+            tracing::debug!("{error}");
+            WindowError::NoDisplay
+        })?;
         Ok(Self { events })
     }
 

@@ -2,7 +2,7 @@
 
 use super::keys::HELP;
 use super::show::{Device, Readings, TableReadings, Wish};
-use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, Ui};
+use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
 use sandtable_cast::CASTERS;
 use sandtable_stage::StereoMode;
 use sandtable_view::Attitude;
@@ -32,7 +32,7 @@ pub(super) struct Vitals {
 }
 
 /// How many messages show at once, the newest last.
-const MESSAGES: usize = 4;
+const MESSAGES: usize = 3;
 
 /// Lays the panel out and returns what was asked for.
 pub(super) fn lay_out(
@@ -48,9 +48,11 @@ pub(super) fn lay_out(
     egui::Panel::bottom("panel")
         .frame(background)
         .show(ui, |ui| {
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(215));
             ScrollArea::horizontal().show(ui, |ui| {
                 ui.horizontal_top(|ui| {
                     ui.spacing_mut().item_spacing.x = 18.0;
+                    ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
                     column(ui, "Position", |ui| position(ui, readings, &mut wishes));
                     column(ui, "Attitude", |ui| attitude(ui, readings, &mut wishes));
                     column(ui, "Flight", |ui| flight(ui, readings, &mut wishes));
@@ -58,12 +60,13 @@ pub(super) fn lay_out(
                         picture(ui, settings, readings, &mut wishes);
                     });
                     column(ui, "Times", |ui| times(ui, vitals));
-                    column(ui, "Devices", |ui| devices(ui, &readings.devices));
                     column(ui, "Terrain", |ui| {
-                        terrain(ui, readings, vitals, &mut settings.keys);
+                        terrain(ui, readings, &mut settings.keys);
                     });
+                    column(ui, "Devices", |ui| devices(ui, &readings.devices));
                 });
             });
+            messages(ui, readings.messages.iter().chain(&vitals.messages));
         });
     if settings.keys {
         let window = egui::Window::new("Keys").open(&mut settings.keys);
@@ -75,7 +78,7 @@ pub(super) fn lay_out(
 fn column(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.vertical(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        ui.label(RichText::new(title).strong());
+        ui.label(RichText::new(title).strong().color(Color32::WHITE));
         Grid::new(title).num_columns(2).show(ui, contents);
     });
 }
@@ -209,13 +212,27 @@ fn picture(ui: &mut Ui, settings: &mut Settings, readings: &Readings, wishes: &m
 }
 
 fn times(ui: &mut Ui, vitals: &Vitals) {
-    let row = |ui: &mut Ui, label: &str, time: Option<f64>, rate: usize| {
-        ui.label(label);
+    let row = |ui: &mut Ui, label: &str, time: Option<f64>, rate: usize, hint: &str| {
+        ui.label(label).on_hover_text(hint);
         ui.label(time.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.1} ms, {rate}/s")));
         ui.end_row();
     };
-    row(ui, "cast", vitals.cast_ms, vitals.casts_per_second);
-    row(ui, "display", vitals.display_ms, vitals.frames_per_second);
+    let cast_hint = "time of the last cast, of all its eyes, and casts in the last second";
+    row(
+        ui,
+        "cast",
+        vitals.cast_ms,
+        vitals.casts_per_second,
+        cast_hint,
+    );
+    let display_hint = format!("time of the last frame, without waiting, on {}", vitals.gpu);
+    row(
+        ui,
+        "display",
+        vitals.display_ms,
+        vitals.frames_per_second,
+        &display_hint,
+    );
     ui.label("threads");
     ui.label(vitals.threads.to_string());
     ui.end_row();
@@ -242,18 +259,21 @@ fn devices(ui: &mut Ui, devices: &[Device]) {
     }
 }
 
-fn terrain(ui: &mut Ui, readings: &Readings, vitals: &Vitals, keys: &mut bool) {
-    ui.vertical(|ui| {
-        ui.horizontal(|ui| {
-            ui.toggle_value(keys, "Keys")
-                .on_hover_text("what each key does");
-            ui.label(&readings.terrain).on_hover_text(&vitals.gpu);
-        });
-        let messages: Vec<_> = readings.messages.iter().chain(&vitals.messages).collect();
-        for message in &messages[messages.len().saturating_sub(MESSAGES)..] {
-            ui.label(RichText::new(*message).small());
-        }
-    });
+fn terrain(ui: &mut Ui, readings: &Readings, keys: &mut bool) {
+    ui.label("name");
+    ui.label(&readings.terrain);
+    ui.end_row();
+    ui.label("help");
+    ui.toggle_value(keys, "what the keys do");
+    ui.end_row();
+}
+
+/// The newest messages, a line each, as wide as the panel.
+fn messages<'a>(ui: &mut Ui, all: impl Iterator<Item = &'a String>) {
+    let all: Vec<_> = all.collect();
+    for message in &all[all.len().saturating_sub(MESSAGES)..] {
+        ui.add(egui::Label::new(*message).truncate());
+    }
 }
 
 fn keys(ui: &mut Ui) {

@@ -44,6 +44,8 @@ pub(super) struct Shell<'a> {
     screenshot_due: bool,
     changed: bool,
     activity: Activity,
+    /// Whether it was moving when the last frame was driven.
+    was_moving: bool,
     last_frame: Instant,
     panel_due: Option<Instant>,
     shown: Times,
@@ -97,6 +99,7 @@ impl<'a> Shell<'a> {
             screenshot_due: false,
             changed: true,
             activity: Activity::Still,
+            was_moving: false,
             last_frame: Instant::now(),
             panel_due: None,
             shown: Times::default(),
@@ -169,14 +172,6 @@ impl<'a> Shell<'a> {
         }
     }
 
-    fn drive(&mut self, frame: [u32; 2]) -> Drive {
-        Drive {
-            axes: self.held.axes(),
-            boost: self.held.boost(),
-            mouse: self.mouse.take(frame),
-        }
-    }
-
     /// Whether a frame is due without anything having changed yet.
     fn moving(&self) -> bool {
         self.activity == Activity::Moving
@@ -186,14 +181,26 @@ impl<'a> Shell<'a> {
 
     /// Advances the show by the time since it last was.
     fn advance(&mut self, now: Instant) {
-        let step = now.duration_since(self.last_frame).min(LONGEST_STEP);
+        let (frame, interval) = self.open.as_ref().map_or_else(
+            || ([1, 1], LONGEST_STEP),
+            |open| (open.presenter.size(), open.interval),
+        );
+        // What people ask for after a rest begins now, not when the rest began.
+        let longest = if self.was_moving {
+            LONGEST_STEP
+        } else {
+            interval
+        };
+        let step = now.duration_since(self.last_frame).min(longest);
         self.last_frame = now;
-        let frame = self
-            .open
-            .as_ref()
-            .map_or([1, 1], |open| open.presenter.size());
-        let drive = self.drive(frame);
+        let drive = Drive {
+            axes: self.held.axes(),
+            boost: self.held.boost(),
+            mouse: self.mouse.take(frame),
+        };
+        self.held.used();
         self.activity = self.show.advance(&drive, step, now);
+        self.was_moving = self.moving();
     }
 
     /// Advances the show, has it cast, and draws what there is.

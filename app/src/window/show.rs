@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 pub(crate) trait Show {
     /// Moves on by `step` of real time, at most a quarter of a second, as `drive` asks.
     ///
+    /// After a rest, in which nothing moved and nobody asked, `step` is that of one frame.
     /// `now` is the time of the call, for shows that look up trackers' poses.
     fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity;
 
