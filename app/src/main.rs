@@ -1,5 +1,9 @@
 //! A window over made-up hills, to try the stage. To be replaced.
-#![allow(dead_code, unused_imports, reason = "the session that uses all of it is yet to come")]
+#![allow(
+    dead_code,
+    unused_imports,
+    reason = "the session that uses all of it is yet to come"
+)]
 
 mod navigation;
 mod window;

@@ -9,8 +9,11 @@
 //! a cast: it hands over the newest views and shows the newest finished images until there are
 //! newer ones. While nothing changes and no key is held, it sleeps.
 
+mod events;
+mod frame;
 mod keys;
 mod mouse;
+mod open;
 mod pacing;
 mod panel;
 mod shell;
