@@ -1,9 +1,9 @@
 //! The real window, on a virtual X server: panel, terrain and stereo on a screenshot.
 
 use image::RgbaImage;
+use std::cell::Cell;
 use std::collections::HashSet;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -62,9 +62,96 @@ fn wait_for<T>(what: &str, mut value: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// The finished screenshot, or `None` while it is being written.
-fn screenshot(path: &Path) -> Option<RgbaImage> {
-    Some(image::open(path).ok()?.into_rgba8())
+/// The program with its window on an X server of its own.
+struct Session {
+    program: Running,
+    window: String,
+    display: String,
+    folder: tempfile::TempDir,
+    /// Screenshots taken.
+    shots: Cell<u32>,
+    _server: Running,
+}
+
+impl Session {
+    /// Opens the window, or says why it cannot be tried here.
+    fn open() -> Option<Self> {
+        let Some((server, display)) = x_server() else {
+            eprintln!("skipped: Xvfb is not installed (Debian: xvfb)");
+            return None;
+        };
+        if xdotool(&display, &["version"]).is_none() {
+            eprintln!("skipped: xdotool is not installed (Debian: xdotool)");
+            return None;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let program = Command::new(env!("CARGO_BIN_EXE_sandtable"))
+            .args(["fly", "builtin:jacksboro"])
+            .current_dir(folder.path())
+            .env("DISPLAY", &display)
+            .env_remove("WAYLAND_DISPLAY")
+            .env("HOME", folder.path())
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut program = Running(program);
+        let window = wait_for("the window", || {
+            assert!(
+                program.0.try_wait().unwrap().is_none(),
+                "the program ended before its window opened"
+            );
+            let search = ["search", "--onlyvisible", "--name", "^sandtable"];
+            let found = xdotool(&display, &search)?;
+            found.lines().next().map(str::to_owned)
+        });
+        Some(Self {
+            program,
+            window,
+            display,
+            folder,
+            shots: Cell::new(0),
+            _server: server,
+        })
+    }
+
+    fn xdotool(&self, arguments: &[&str]) {
+        let done = xdotool(&self.display, arguments);
+        assert!(done.is_some(), "xdotool failed: {arguments:?}");
+    }
+
+    fn key(&self, name: &str) {
+        self.xdotool(&["windowfocus", &self.window]);
+        self.xdotool(&["key", name]);
+    }
+
+    /// Takes screenshots until one is good, and returns that.
+    fn shoot_until(&self, what: &str, good: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+        wait_for(what, || {
+            self.shots.set(self.shots.get() + 1);
+            let name = format!("sandtable-{:04}.png", self.shots.get());
+            let path = self.folder.path().join(name);
+            self.key("F12");
+            // While it is being written it cannot be decoded.
+            let image = wait_for("a screenshot", || image::open(&path).ok());
+            let image = image.into_rgba8();
+            good(&image).then_some(image)
+        })
+    }
+
+    /// Closes the window and checks that the program ends well.
+    fn close(mut self) {
+        self.key("Escape");
+        let status = wait_for("the end", || self.program.0.try_wait().unwrap());
+        assert!(status.success(), "{status}");
+    }
+}
+
+/// Rows of the picture that show terrain, whatever lies above and below.
+const TERRAIN_ROWS: [f64; 2] = [0.3, 0.6];
+
+fn shows_terrain(image: &RgbaImage) -> bool {
+    colours(image, [0.0, 1.0], TERRAIN_ROWS) > 300
 }
 
 /// How many colours a part of the image has, on every fourth pixel.
@@ -81,72 +168,24 @@ fn colours(image: &RgbaImage, columns: [f64; 2], rows: [f64; 2]) -> usize {
 
 #[test]
 fn a_screenshot_shows_terrain_and_panel_and_stereo_halves() {
-    let Some((_server, display)) = x_server() else {
-        eprintln!("skipped: Xvfb is not installed (Debian: xvfb)");
+    let Some(session) = Session::open() else {
         return;
     };
-    if xdotool(&display, &["version"]).is_none() {
-        eprintln!("skipped: xdotool is not installed");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let program = Command::new(env!("CARGO_BIN_EXE_sandtable"))
-        .args(["fly", "builtin:jacksboro"])
-        .current_dir(folder.path())
-        .env("DISPLAY", &display)
-        .env_remove("WAYLAND_DISPLAY")
-        .env("HOME", folder.path())
-        .env("XDG_RUNTIME_DIR", folder.path())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut program = Running(program);
-    let window = wait_for("the window", || {
-        assert!(
-            program.0.try_wait().unwrap().is_none(),
-            "the program ended before its window opened"
-        );
-        let found = xdotool(
-            &display,
-            &["search", "--onlyvisible", "--name", "^sandtable"],
-        )?;
-        found.lines().next().map(str::to_owned)
-    });
-    let key = |name: &str| {
-        xdotool(&display, &["windowfocus", &window]).expect("the window takes the keyboard");
-        xdotool(&display, &["key", name]).expect("xdotool sends keys");
-    };
-    let mut number = 0;
-    let mut shoot_until = |what: &str, good: &dyn Fn(&RgbaImage) -> bool| {
-        wait_for(what, || {
-            number += 1;
-            let path = folder.path().join(format!("sandtable-{number:04}.png"));
-            key("F12");
-            let image = wait_for("a screenshot", || screenshot(&path));
-            good(&image).then_some(image)
-        })
-    };
-
     // The first casts may still be under way at the first shots.
-    let upper = [0.3, 0.6];
-    let with_panel = shoot_until("terrain", &|image| colours(image, [0.0, 1.0], upper) > 300);
-    key("Tab");
-    let bare = shoot_until("a picture without the panel", &|image| *image != with_panel);
+    let with_panel = session.shoot_until("terrain", shows_terrain);
+    session.key("Tab");
+    let bare = session.shoot_until("a picture without the panel", |image| *image != with_panel);
     assert_eq!(with_panel.dimensions(), bare.dimensions());
-    let panel_row = |image: &RgbaImage| colours(image, [0.0, 1.0], [0.97, 1.0]);
-    assert!(panel_row(&with_panel) < panel_row(&bare), "no panel below");
+    let bottom = |image: &RgbaImage| colours(image, [0.0, 1.0], [0.97, 1.0]);
+    assert!(bottom(&with_panel) < bottom(&bare), "no panel below");
     let top = |image: &RgbaImage| {
-        image
-            .rows()
-            .take(100)
-            .flatten()
-            .copied()
-            .collect::<Vec<_>>()
+        let rows = image.rows().take(100);
+        rows.flatten().copied().collect::<Vec<_>>()
     };
     assert_eq!(top(&with_panel), top(&bare), "the panel hides the picture");
 
-    key("2");
-    let pair = shoot_until("a stereo pair", &|image| {
+    session.key("2");
+    let pair = session.shoot_until("a stereo pair", |image| {
         let half = image.width() / 2;
         let rows = image.height() * 3 / 10..image.height() * 6 / 10;
         let differing = rows
@@ -156,10 +195,29 @@ fn a_screenshot_shows_terrain_and_panel_and_stereo_halves() {
         *image != bare && differing > 100
     });
     for half in [[0.0, 0.5], [0.5, 1.0]] {
-        assert!(colours(&pair, half, upper) > 300, "one eye sees no terrain");
+        let seen = colours(&pair, half, TERRAIN_ROWS);
+        assert!(seen > 300, "one eye sees no terrain");
     }
+    session.close();
+}
 
-    key("Escape");
-    let status = wait_for("the end", || program.0.try_wait().unwrap());
-    assert!(status.success(), "{status}");
+#[test]
+fn resizes_and_being_unmapped_are_survived() {
+    let Some(session) = Session::open() else {
+        return;
+    };
+    session.shoot_until("terrain", shows_terrain);
+    let window = session.window.clone();
+    for step in 0..30 {
+        let width = (300 + step * 137 % 700).to_string();
+        let height = (200 + step * 253 % 500).to_string();
+        session.xdotool(&["windowsize", &window, &width, &height]);
+    }
+    session.xdotool(&["windowunmap", "--sync", &window]);
+    session.xdotool(&["windowmap", "--sync", &window]);
+    session.xdotool(&["windowsize", &window, "905", "603"]);
+    session.shoot_until("terrain at the new size", |image| {
+        image.dimensions() == (905, 603) && shows_terrain(image)
+    });
+    session.close();
 }

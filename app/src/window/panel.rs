@@ -285,3 +285,62 @@ fn keys(ui: &mut Ui) {
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Lays the panel out a few times without anybody touching it.
+    fn untouched(readings: &Readings) -> Vec<Wish> {
+        let mut settings = Settings {
+            mode: StereoMode::Anaglyph,
+            swap_eyes: true,
+            reduction: 2,
+            keys: true,
+        };
+        let before = settings.clone();
+        let context = egui::Context::default();
+        let mut wishes = Vec::new();
+        for _ in 0..3 {
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+                wishes.extend(lay_out(ui, &mut settings, readings, &Vitals::default()));
+            });
+            assert!(output.shapes.len() > 20, "the panel is empty");
+            output.textures_delta.clear();
+        }
+        assert_eq!(settings, before);
+        wishes
+    }
+
+    #[test]
+    fn an_untouched_panel_asks_for_nothing() {
+        // Values that no display of theirs gives back exactly.
+        let camera = Readings {
+            position: DVec3::new(1234.567_89, -0.004, 2345.678_9),
+            attitude: Attitude {
+                yaw: 0.123_456_7,
+                pitch: -1.2,
+                roll: 0.3,
+            },
+            speed: 123.456_789,
+            caster: CASTERS[0].name(),
+            messages: vec!["a message".into(); 9],
+            ..Default::default()
+        };
+        assert_eq!(untouched(&camera), []);
+        let table = Readings {
+            table: Some(TableReadings {
+                scale: 12_345.678,
+                exaggeration: 1.234_567,
+            }),
+            devices: vec![Device {
+                name: "head".into(),
+                state: "lost".into(),
+                works: false,
+            }],
+            ..camera
+        };
+        assert_eq!(untouched(&table), []);
+    }
+}
