@@ -7,10 +7,8 @@ use image::{Rgba, RgbaImage};
 use sandtable_cast::Image;
 use sandtable_view::StereoPair;
 
-/// Which eye's image, and which place in it, a pixel of the frame shows.
-///
-/// `x` and `y` are shares of the eye's image, in [0, 1] from its upper left corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A place in an eye's image, as shares of its width and height from the upper left corner.
+#[derive(Clone, Copy)]
 struct Place {
     x: f32,
     y: f32,
@@ -36,12 +34,10 @@ pub fn compose(
     let StereoPair { left, right } = if swap { pair.swapped() } else { pair };
     let [width, height] = size;
     RgbaImage::from_fn(width, height, |i, j| {
-        let place = |first: [u32; 2], end: [u32; 2]| {
-            Place {
-                x: (i - first[0]) as f32 + 0.5,
-                y: (j - first[1]) as f32 + 0.5,
-            }
-            .within(first, end)
+        // The pixel's centre within the part of the frame from `first` to `end`.
+        let place = |first: [u32; 2], end: [u32; 2]| Place {
+            x: ((i - first[0]) as f32 + 0.5) / (end[0] - first[0]) as f32,
+            y: ((j - first[1]) as f32 + 0.5) / (end[1] - first[1]) as f32,
         };
         let whole = || place([0, 0], size);
         Rgba(match mode {
@@ -69,16 +65,6 @@ pub fn compose(
             }
         })
     })
-}
-
-impl Place {
-    /// Pixels within the part of the frame from `first` to `end`, as shares of that part.
-    fn within(self, first: [u32; 2], end: [u32; 2]) -> Self {
-        Self {
-            x: self.x / (end[0] - first[0]) as f32,
-            y: self.y / (end[1] - first[1]) as f32,
-        }
-    }
 }
 
 /// The image's colour at `place`, bilinear between pixel centres, in the encoded (sRGB) values.
@@ -148,7 +134,7 @@ mod tests {
         ] {
             let size = mode.eye_size(frame);
             let hash = |i: u32, j: u32| [(i * 37 + j * 101) as u8, (i ^ j) as u8, i as u8];
-            let left = image(size, |i, j| hash(i, j));
+            let left = image(size, hash);
             let right = image(size, |i, j| hash(i + 1000, j));
             for swap in [false, true] {
                 let composed = compose(&left, &right, mode, swap, frame);

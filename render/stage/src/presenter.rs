@@ -4,6 +4,7 @@ use crate::reaction::{ATTEMPTS, Reaction, SurfaceState, react};
 use crate::{Composing, FramePainter, Gpu, GpuError, Panel};
 use image::RgbaImage;
 use sandtable_cast::Image;
+use std::time::{Duration, Instant};
 use wgpu::CurrentSurfaceTexture as Acquired;
 
 /// Makes a surface for the window, as often as one is lost, with the instance that it belongs to.
@@ -31,6 +32,7 @@ pub struct Presenter {
     size: [u32; 2],
     /// Nothing after a renewal failed.
     live: Option<Live>,
+    waited: Duration,
 }
 
 /// All that is lost with a device. The surface is dropped before the device.
@@ -54,6 +56,7 @@ impl Presenter {
             source,
             size,
             live: Some(live),
+            waited: Duration::ZERO,
         })
     }
 
@@ -110,12 +113,16 @@ impl Presenter {
         before_present: impl FnOnce(),
     ) -> Result<Presented, GpuError> {
         let size = self.size();
+        self.waited = Duration::ZERO;
         for attempt in 0..ATTEMPTS {
             let (acquired, device_lost) = match &mut self.live {
                 Some(live) if size.contains(&0) || live.gpu.is_lost() => (None, live.gpu.is_lost()),
                 Some(live) => {
                     live.configure_for(size);
-                    (Some(live.surface.get_current_texture()), live.gpu.is_lost())
+                    let asked = Instant::now();
+                    let acquired = live.surface.get_current_texture();
+                    self.waited += asked.elapsed();
+                    (Some(acquired), live.gpu.is_lost())
                 }
                 None => (None, true),
             };
@@ -145,6 +152,13 @@ impl Presenter {
             }
         }
         Ok(Presented::Later)
+    }
+
+    /// How long the last frame waited for the window system to give it a place: where presenting
+    /// keeps pace with the glass, this is the time that was left over.
+    #[must_use]
+    pub fn waited(&self) -> Duration {
+        self.waited
     }
 
     /// The frame as it would be shown now, panel included, read back from the GPU.

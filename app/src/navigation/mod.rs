@@ -1,0 +1,16 @@
+//! Navigation: from wishes to where the viewer is. Pure: no clock, no device, no window.
+//!
+//! ```text
+//! FlightAxes (−1..1) + seconds --FlyCamera---> eye and attitude in the world   (desktop)
+//!                              \-TableFlight--> Placement of the world on the table
+//! ```
+//!
+//! One long step and many short ones lead along the same path: velocities are integrated over the
+//! step while it turns, not held at their first value.
+
+mod fly;
+mod path;
+mod table;
+
+pub(crate) use fly::{FlyCamera, Pace};
+pub(crate) use table::TableFlight;

@@ -1,0 +1,346 @@
+//! The panel below the picture: where one is, how fast, by which caster and in which stereo mode.
+
+use super::keys::HELP;
+use super::show::{Device, Readings, TableReadings, Wish};
+use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
+use sandtable_cast::CASTERS;
+use sandtable_stage::StereoMode;
+use sandtable_view::Attitude;
+
+/// The panel's own settings: those of the window, not of what it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Settings {
+    pub(super) mode: StereoMode,
+    pub(super) swap_eyes: bool,
+    /// Eyes are cast at their size divided by this.
+    pub(super) reduction: u32,
+    /// Whether the list of keys shows.
+    pub(super) keys: bool,
+}
+
+/// What the panel says about the window and its threads.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Vitals {
+    pub(super) cast_ms: Option<f64>,
+    pub(super) casts_per_second: usize,
+    pub(super) display_ms: Option<f64>,
+    pub(super) frames_per_second: usize,
+    pub(super) threads: usize,
+    pub(super) eye_size: [u32; 2],
+    pub(super) gpu: String,
+    pub(super) messages: Vec<String>,
+}
+
+/// How many messages show at once, the newest last.
+const MESSAGES: usize = 3;
+
+/// Lays the panel out and returns what was asked for.
+pub(super) fn lay_out(
+    ui: &mut Ui,
+    settings: &mut Settings,
+    readings: &Readings,
+    vitals: &Vitals,
+) -> Vec<Wish> {
+    let mut wishes = Vec::new();
+    let background = Frame::new()
+        .fill(Color32::from_rgba_unmultiplied(24, 26, 30, 232))
+        .inner_margin(8);
+    egui::Panel::bottom("panel")
+        .frame(background)
+        .show(ui, |ui| {
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(215));
+            ScrollArea::horizontal().show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    ui.spacing_mut().item_spacing.x = 18.0;
+                    ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+                    column(ui, "Position", |ui| position(ui, readings, &mut wishes));
+                    column(ui, "Attitude", |ui| attitude(ui, readings, &mut wishes));
+                    column(ui, "Flight", |ui| flight(ui, readings, &mut wishes));
+                    column(ui, "Picture", |ui| {
+                        picture(ui, settings, readings, &mut wishes);
+                    });
+                    column(ui, "Times", |ui| times(ui, vitals));
+                    column(ui, "Terrain", |ui| {
+                        terrain(ui, readings, &mut settings.keys);
+                    });
+                    column(ui, "Devices", |ui| devices(ui, &readings.devices));
+                });
+            });
+            messages(ui, readings.messages.iter().chain(&vitals.messages));
+        });
+    if settings.keys {
+        let window = egui::Window::new("Keys").open(&mut settings.keys);
+        window.resizable(false).show(ui.ctx(), keys);
+    }
+    wishes
+}
+
+fn column(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    ui.vertical(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        ui.label(RichText::new(title).strong().color(Color32::WHITE));
+        Grid::new(title).num_columns(2).show(ui, contents);
+    });
+}
+
+/// A number that can be dragged or typed; returns the new one.
+fn number(
+    ui: &mut Ui,
+    label: &str,
+    value: f64,
+    style: impl FnOnce(DragValue<'_>) -> DragValue<'_>,
+) -> Option<f64> {
+    let mut edited = value;
+    ui.label(label);
+    let changed = ui
+        .add(style(
+            DragValue::new(&mut edited).update_while_editing(false),
+        ))
+        .changed();
+    ui.end_row();
+    (changed && edited.is_finite()).then_some(edited)
+}
+
+fn position(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
+    let mut position = readings.position;
+    for (label, axis) in [("x (east)", 0), ("y (north)", 1), ("height", 2)] {
+        if let Some(value) = number(ui, label, position[axis], |drag| {
+            drag.speed(10.0).fixed_decimals(0).suffix(" m")
+        }) {
+            position[axis] = value;
+            wishes.push(Wish::Position(position));
+        }
+    }
+    ui.label("above ground");
+    ui.label(readings.above_ground.map_or_else(
+        || "off the terrain".to_owned(),
+        |height| format!("{height:.0} m"),
+    ));
+    ui.end_row();
+}
+
+fn attitude(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
+    let looking = readings.attitude;
+    let degrees = |ui: &mut Ui, label: &str, angle: f64| {
+        number(ui, label, angle.to_degrees(), |drag| {
+            drag.speed(0.5).fixed_decimals(1).suffix("\u{b0}")
+        })
+        .map(f64::to_radians)
+    };
+    if let Some(yaw) = degrees(ui, "yaw", looking.yaw) {
+        wishes.push(Wish::Attitude(Attitude { yaw, ..looking }));
+    }
+    if let Some(table) = readings.table {
+        if let Some(scale) = number(ui, "scale 1 :", table.scale, |drag| {
+            drag.speed(table.scale * 0.01).fixed_decimals(0)
+        }) {
+            wishes.push(Wish::Table(TableReadings { scale, ..table }));
+        }
+        if let Some(exaggeration) = number(ui, "relief \u{d7}", table.exaggeration, |drag| {
+            drag.speed(0.02).fixed_decimals(2)
+        }) {
+            wishes.push(Wish::Table(TableReadings {
+                exaggeration,
+                ..table
+            }));
+        }
+        return;
+    }
+    if let Some(pitch) = degrees(ui, "pitch", looking.pitch) {
+        wishes.push(Wish::Attitude(Attitude { pitch, ..looking }));
+    }
+    if let Some(roll) = degrees(ui, "roll", looking.roll) {
+        wishes.push(Wish::Attitude(Attitude { roll, ..looking }));
+    }
+}
+
+fn flight(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
+    if let Some(speed) = number(ui, "speed", readings.speed, |drag| {
+        drag.speed(readings.speed * 0.01 + 0.01)
+            .range(0.0..=1e6)
+            .max_decimals(1)
+            .suffix(" m/s")
+    }) {
+        wishes.push(Wish::Speed(speed));
+    }
+    ui.label("start");
+    if ui.button("back (Home)").clicked() {
+        wishes.push(Wish::Home);
+    }
+    ui.end_row();
+}
+
+fn picture(ui: &mut Ui, settings: &mut Settings, readings: &Readings, wishes: &mut Vec<Wish>) {
+    ui.label("caster");
+    ComboBox::from_id_salt("caster")
+        .selected_text(readings.caster)
+        .show_ui(ui, |ui| {
+            for caster in CASTERS {
+                let (name, mut chosen) = (caster.name(), readings.caster);
+                let label = ui.selectable_value(&mut chosen, name, name);
+                if label.on_hover_text(caster.summary()).clicked() {
+                    wishes.push(Wish::Caster(name));
+                }
+            }
+        });
+    ui.end_row();
+    ui.label("stereo");
+    ComboBox::from_id_salt("stereo")
+        .selected_text(settings.mode.name())
+        .show_ui(ui, |ui| {
+            for mode in StereoMode::ALL {
+                ui.selectable_value(&mut settings.mode, mode, mode.name());
+            }
+        });
+    ui.end_row();
+    ui.label("eyes");
+    ui.checkbox(&mut settings.swap_eyes, "swapped");
+    ui.end_row();
+    ui.label("cast at");
+    let share = |reduction: u32| match reduction {
+        1 => "full size".to_owned(),
+        reduction => format!("1/{reduction} size"),
+    };
+    ComboBox::from_id_salt("reduction")
+        .selected_text(share(settings.reduction))
+        .show_ui(ui, |ui| {
+            for reduction in [1, 2, 4] {
+                ui.selectable_value(&mut settings.reduction, reduction, share(reduction));
+            }
+        });
+    ui.end_row();
+}
+
+fn times(ui: &mut Ui, vitals: &Vitals) {
+    let row = |ui: &mut Ui, label: &str, time: Option<f64>, rate: usize, hint: &str| {
+        ui.label(label).on_hover_text(hint);
+        ui.label(time.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.1} ms, {rate}/s")));
+        ui.end_row();
+    };
+    let cast_hint = "time of the last cast, of all its eyes, and casts in the last second";
+    row(
+        ui,
+        "cast",
+        vitals.cast_ms,
+        vitals.casts_per_second,
+        cast_hint,
+    );
+    let display_hint = format!("time of the last frame, without waiting, on {}", vitals.gpu);
+    row(
+        ui,
+        "display",
+        vitals.display_ms,
+        vitals.frames_per_second,
+        &display_hint,
+    );
+    ui.label("threads");
+    ui.label(vitals.threads.to_string());
+    ui.end_row();
+    ui.label("an eye");
+    let [width, height] = vitals.eye_size;
+    ui.label(format!("{width} \u{d7} {height}"));
+    ui.end_row();
+}
+
+fn devices(ui: &mut Ui, devices: &[Device]) {
+    if devices.is_empty() {
+        ui.label("keyboard, mouse");
+        ui.end_row();
+    }
+    for device in devices {
+        ui.label(&device.name);
+        let colour = if device.works {
+            Color32::LIGHT_GREEN
+        } else {
+            Color32::from_rgb(255, 170, 90)
+        };
+        ui.colored_label(colour, &device.state);
+        ui.end_row();
+    }
+}
+
+fn terrain(ui: &mut Ui, readings: &Readings, keys: &mut bool) {
+    ui.label("name");
+    ui.label(&readings.terrain);
+    ui.end_row();
+    ui.label("help");
+    ui.toggle_value(keys, "what the keys do");
+    ui.end_row();
+}
+
+/// The newest messages, a line each, as wide as the panel.
+fn messages<'a>(ui: &mut Ui, all: impl Iterator<Item = &'a String>) {
+    let all: Vec<_> = all.collect();
+    for message in &all[all.len().saturating_sub(MESSAGES)..] {
+        ui.add(egui::Label::new(*message).truncate());
+    }
+}
+
+fn keys(ui: &mut Ui) {
+    Grid::new("keys").num_columns(2).show(ui, |ui| {
+        for (keys, meaning) in HELP {
+            ui.label(RichText::new(keys).strong());
+            ui.label(meaning);
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Lays the panel out a few times without anybody touching it.
+    fn untouched(readings: &Readings) -> Vec<Wish> {
+        let mut settings = Settings {
+            mode: StereoMode::Anaglyph,
+            swap_eyes: true,
+            reduction: 2,
+            keys: true,
+        };
+        let before = settings.clone();
+        let context = egui::Context::default();
+        let mut wishes = Vec::new();
+        for _ in 0..3 {
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+                wishes.extend(lay_out(ui, &mut settings, readings, &Vitals::default()));
+            });
+            assert!(output.shapes.len() > 20, "the panel is empty");
+            output.textures_delta.clear();
+        }
+        assert_eq!(settings, before);
+        wishes
+    }
+
+    #[test]
+    fn an_untouched_panel_asks_for_nothing() {
+        // Values that no display of theirs gives back exactly.
+        let camera = Readings {
+            position: DVec3::new(1234.567_89, -0.004, 2345.678_9),
+            attitude: Attitude {
+                yaw: 0.123_456_7,
+                pitch: -1.2,
+                roll: 0.3,
+            },
+            speed: 123.456_789,
+            caster: CASTERS[0].name(),
+            messages: vec!["a message".into(); 9],
+            ..Default::default()
+        };
+        assert_eq!(untouched(&camera), []);
+        let table = Readings {
+            table: Some(TableReadings {
+                scale: 12_345.678,
+                exaggeration: 1.234_567,
+            }),
+            devices: vec![Device {
+                name: "head".into(),
+                state: "lost".into(),
+                works: false,
+            }],
+            ..camera
+        };
+        assert_eq!(untouched(&table), []);
+    }
+}

@@ -1,0 +1,114 @@
+//! What a window shows: the session's side of it, camera or table, live or replayed.
+
+use super::MouseDrive;
+use glam::DVec3;
+use sandtable_cast::PreparedScene;
+use sandtable_input::FlightAxes;
+use sandtable_view::{Attitude, View};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Something to show, moved by people.
+pub(crate) trait Show {
+    /// Moves on by `step` of real time, at most a quarter of a second, as `drive` asks.
+    ///
+    /// After a rest, in which nothing moved and nobody asked, `step` is that of one frame.
+    /// `now` is the time of the call, for shows that look up trackers' poses.
+    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity;
+
+    /// What is to be seen: one view, or for stereo the left and the right eye's.
+    ///
+    /// `frame` is the size of the window in pixels: it gives the proportions of a camera's
+    /// picture, and a table's screen does not depend on it. The window itself sets the views' own
+    /// sizes, to what each eye's image is to be cast at.
+    fn views(&self, frame: [u32; 2], stereo: bool) -> Vec<View>;
+
+    /// The scene, prepared by the caster in use. Must not wait for preparations.
+    fn scene(&self) -> Arc<dyn PreparedScene>;
+
+    /// What the panel says.
+    fn readings(&self) -> Readings;
+
+    /// Does what people asked for at the panel or by a key.
+    fn apply(&mut self, wish: Wish);
+}
+
+/// Whether a show moves by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Activity {
+    /// Nothing will change before the next wish, key, or [`super::Waker::wake`].
+    Still,
+    /// It is to be advanced again for the next frame.
+    Moving,
+}
+
+/// What people ask for by keyboard and mouse, since the last call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drive {
+    /// The keys held.
+    pub(crate) axes: FlightAxes,
+    /// How many times as fast as usual: 1, or more with Shift.
+    pub(crate) boost: f64,
+    /// The mouse, while it is not on the panel.
+    pub(crate) mouse: MouseDrive,
+}
+
+/// What the panel says about the show.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Readings {
+    /// The terrain's name.
+    pub(crate) terrain: String,
+    /// The eye (for a table: the world point at the middle of the glass), in world metres.
+    pub(crate) position: DVec3,
+    /// Metres above the ground, if there is ground below.
+    pub(crate) above_ground: Option<f64>,
+    /// Where the camera looks; of a table only yaw is shown.
+    pub(crate) attitude: Attitude,
+    /// Metres in the world per second at a full axis.
+    pub(crate) speed: f64,
+    /// How the world lies on the table, where there is one.
+    pub(crate) table: Option<TableReadings>,
+    /// The name of the caster in use, one of [`sandtable_cast::CASTERS`].
+    pub(crate) caster: &'static str,
+    /// The devices and how they are.
+    pub(crate) devices: Vec<Device>,
+    /// What people should know, the newest last.
+    pub(crate) messages: Vec<String>,
+}
+
+/// How the world lies on a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TableReadings {
+    /// World metres per table metre.
+    pub(crate) scale: f64,
+    /// Vertical exaggeration.
+    pub(crate) exaggeration: f64,
+}
+
+/// A device's line on the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Device {
+    /// Its name in the rig.
+    pub(crate) name: String,
+    /// How it is, in a word or two.
+    pub(crate) state: String,
+    /// Whether it works.
+    pub(crate) works: bool,
+}
+
+/// What people ask for at the panel or by a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Wish {
+    /// Back to where the show began.
+    Home,
+    /// Be there, in world metres.
+    Position(DVec3),
+    /// Look there.
+    Attitude(Attitude),
+    /// Fly as fast, in metres per second.
+    Speed(f64),
+    /// Lay the world on the table so.
+    Table(TableReadings),
+    /// Cast by the caster of that name, one of [`sandtable_cast::CASTERS`].
+    Caster(&'static str),
+}
