@@ -160,6 +160,7 @@ impl State {
     }
 
     fn fall_silent(&self, reason: &str) {
+        let reason = reason.trim_end_matches('.');
         let note = format!("no sound: {reason}; `sandtable doctor` lists the sound outputs");
         tracing::info!("{note}");
         self.set(Playback::Silent { note });
