@@ -4,7 +4,7 @@ use image::RgbaImage;
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// Long enough for a loaded machine with a software GPU.
@@ -12,6 +12,13 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A child process that does not outlive the test.
 struct Running(Child);
+
+impl Running {
+    /// How it ended, once it has.
+    fn ended(&mut self) -> Option<ExitStatus> {
+        self.0.try_wait().expect("it can be asked")
+    }
+}
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -84,7 +91,7 @@ impl Session {
             eprintln!("skipped: xdotool is not installed (Debian: xdotool)");
             return None;
         }
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a temporary folder");
         let program = Command::new(env!("CARGO_BIN_EXE_sandtable"))
             .args(["fly", "builtin:jacksboro"])
             .current_dir(folder.path())
@@ -94,11 +101,11 @@ impl Session {
             .env("XDG_RUNTIME_DIR", folder.path())
             .stdout(Stdio::null())
             .spawn()
-            .unwrap();
+            .expect("the program is built");
         let mut program = Running(program);
         let window = wait_for("the window", || {
             assert!(
-                program.0.try_wait().unwrap().is_none(),
+                program.ended().is_none(),
                 "the program ended before its window opened"
             );
             let search = ["search", "--onlyvisible", "--name", "^sandtable"];
@@ -142,7 +149,7 @@ impl Session {
     /// Closes the window and checks that the program ends well.
     fn close(mut self) {
         self.key("Escape");
-        let status = wait_for("the end", || self.program.0.try_wait().unwrap());
+        let status = wait_for("the end", || self.program.ended());
         assert!(status.success(), "{status}");
     }
 }

@@ -90,6 +90,10 @@ impl Open {
 fn panel_state(window: &Window, presenter: &Presenter) -> egui_winit::State {
     let context = egui::Context::default();
     context.set_theme(egui::Theme::Dark);
+    // egui's own grey is too dim in a room lit for stereo glasses.
+    context.all_styles_mut(|style| {
+        style.visuals.override_text_color = Some(egui::Color32::from_gray(215));
+    });
     egui_winit::State::new(
         context,
         egui::ViewportId::ROOT,

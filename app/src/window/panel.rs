@@ -48,7 +48,6 @@ pub(super) fn lay_out(
     egui::Panel::bottom("panel")
         .frame(background)
         .show(ui, |ui| {
-            ui.visuals_mut().override_text_color = Some(Color32::from_gray(215));
             ScrollArea::horizontal().show(ui, |ui| {
                 ui.horizontal_top(|ui| {
                     ui.spacing_mut().item_spacing.x = 18.0;
@@ -317,7 +316,7 @@ mod tests {
     fn an_untouched_panel_asks_for_nothing() {
         // Values that no display of theirs gives back exactly.
         let camera = Readings {
-            position: DVec3::new(1234.567_89, -0.004, 2345.678_9),
+            position: DVec3::new(1_234.567_89, -0.004, 2_345.678_9),
             attitude: Attitude {
                 yaw: 0.123_456_7,
                 pitch: -1.2,

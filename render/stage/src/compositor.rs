@@ -5,10 +5,10 @@ use sandtable_cast::Image;
 
 /// The part of the frame that comes from the caster.
 pub(crate) struct Compositor {
-    pipeline: wgpu::RenderPipeline,
+    /// One for each mode, in the order of [`StereoMode::ALL`].
+    pipelines: [wgpu::RenderPipeline; 4],
     layout: wgpu::BindGroupLayout,
     composition: wgpu::Buffer,
-    target_encodes: bool,
     eyes: Vec<wgpu::Texture>,
     /// Left and right as they are, and exchanged.
     bindings: [wgpu::BindGroup; 2],
@@ -19,8 +19,18 @@ pub(crate) struct Compositor {
 #[repr(C)]
 struct Composition {
     frame: [u32; 2],
-    mode: u32,
-    target_encodes: u32,
+    /// Uniforms are a multiple of 16 bytes on some back ends.
+    padding: [u32; 2],
+}
+
+/// The mode's number in the shader.
+fn number(mode: StereoMode) -> u32 {
+    match mode {
+        StereoMode::Mono => 0,
+        StereoMode::SideBySide => 1,
+        StereoMode::TopBottom => 2,
+        StereoMode::Anaglyph => 3,
+    }
 }
 
 impl Compositor {
@@ -60,26 +70,36 @@ impl Compositor {
             bind_group_layouts: &[Some(&layout)],
             ..Default::default()
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("composition"),
-            layout: Some(&pipeline_layout),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some("cover"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: &shader,
-                entry_point: Some("shade"),
-                compilation_options: Default::default(),
-                targets: &[Some(format.into())],
-            }),
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            multiview_mask: None,
-            cache: None,
+        let encodes = f64::from(u8::from(format.is_srgb()));
+        let pipelines = StereoMode::ALL.map(|mode| {
+            let constants = [
+                ("mode", f64::from(number(mode))),
+                ("target_encodes", encodes),
+            ];
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("composition"),
+                layout: Some(&pipeline_layout),
+                vertex: wgpu::VertexState {
+                    module: &shader,
+                    entry_point: Some("cover"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                fragment: Some(wgpu::FragmentState {
+                    module: &shader,
+                    entry_point: Some("shade"),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &constants,
+                        ..Default::default()
+                    },
+                    targets: &[Some(format.into())],
+                }),
+                primitive: Default::default(),
+                depth_stencil: None,
+                multisample: Default::default(),
+                multiview_mask: None,
+                cache: None,
+            })
         });
         let composition = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("composition"),
@@ -91,10 +111,9 @@ impl Compositor {
         let eyes = vec![eye_texture(device, [1, 1])];
         let bindings = bind(device, &layout, &composition, &eyes);
         Self {
-            pipeline,
+            pipelines,
             layout,
             composition,
-            target_encodes: format.is_srgb(),
             eyes,
             bindings,
         }
@@ -163,17 +182,11 @@ impl Compositor {
     ) {
         let composition = Composition {
             frame,
-            mode: match mode {
-                StereoMode::Mono => 0,
-                StereoMode::SideBySide => 1,
-                StereoMode::TopBottom => 2,
-                StereoMode::Anaglyph => 3,
-            },
-            target_encodes: u32::from(self.target_encodes),
+            padding: [0; 2],
         };
         gpu.queue
             .write_buffer(&self.composition, 0, bytemuck::bytes_of(&composition));
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.pipelines[number(mode) as usize]);
         pass.set_bind_group(0, &self.bindings[usize::from(swap)], &[]);
         pass.draw(0..3, 0..1);
     }

@@ -3,10 +3,12 @@
 
 struct Composition {
     frame: vec2<u32>,
-    mode: u32,
-    // 1 where the target encodes linear values as sRGB by itself.
-    target_encodes: u32,
 }
+
+// Set for each pipeline: software adapters would walk through the other modes' branches too.
+override mode: u32;
+// Whether the target encodes linear values as sRGB by itself.
+override target_encodes: bool;
 
 const MONO: u32 = 0u;
 const SIDE_BY_SIDE: u32 = 1u;
@@ -62,9 +64,9 @@ fn shade(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let size = vec2<f32>(composition.frame);
     let pixel = position.xy;
     var colour: vec3<f32>;
-    if composition.mode == MONO {
+    if mode == MONO {
         colour = sample(left, pixel / size);
-    } else if composition.mode == SIDE_BY_SIDE {
+    } else if mode == SIDE_BY_SIDE {
         let middle = f32(composition.frame.x / 2u);
         if pixel.x < middle {
             colour = sample(left, pixel / vec2<f32>(middle, size.y));
@@ -72,7 +74,7 @@ fn shade(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
             let part = vec2<f32>(size.x - middle, size.y);
             colour = sample(right, (pixel - vec2<f32>(middle, 0.0)) / part);
         }
-    } else if composition.mode == TOP_BOTTOM {
+    } else if mode == TOP_BOTTOM {
         let middle = f32(composition.frame.y / 2u);
         if pixel.y < middle {
             colour = sample(left, pixel / vec2<f32>(size.x, middle));
@@ -83,7 +85,7 @@ fn shade(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     } else {
         colour = vec3<f32>(sample(left, pixel / size).r, sample(right, pixel / size).gb);
     }
-    if composition.target_encodes == 1u {
+    if target_encodes {
         colour = linear(colour);
     }
     return vec4<f32>(colour, 1.0);
