@@ -9,7 +9,12 @@ use std::path::PathBuf;
 /// Shows real terrain in true perspective for a tracked head on a horizontal stereo display, in a
 /// window on a desktop, or without any display.
 #[derive(Debug, Parser)]
-#[command(name = "sandtable", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
+#[command(
+    name = "sandtable",
+    version,
+    max_term_width = 100,
+    args_conflicts_with_subcommands = true
+)]
 pub(crate) struct Cli {
     /// What to do; without a command, `fly`.
     #[command(subcommand)]
@@ -41,13 +46,13 @@ pub(crate) enum Command {
 
 /// Help for the TERRAIN argument, shared by the commands that take one.
 const TERRAIN_HELP: &str = "A GeoTIFF, SRTM .hgt or ESRI ASCII grid, or builtin:ridges?size=N&seed=S, or \
-     builtin:jacksboro";
+     builtin:jacksboro (which is taken where none is given)";
 
 /// Which terrain, with which photograph.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TerrainArgs {
-    #[arg(default_value = "builtin:jacksboro", help = TERRAIN_HELP)]
-    pub(crate) terrain: String,
+    #[arg(help = TERRAIN_HELP)]
+    pub(crate) terrain: Option<String>,
 
     /// A photograph to lay over it: GeoTIFF, PNG or JPEG in the same coordinate system.
     #[arg(long, value_name = "FILE")]
@@ -81,9 +86,11 @@ impl StereoArg {
 
 /// Arguments of `fly`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  sandtable fly\n  sandtable fly mountains.tif --photo mountains.jpg --stereo anaglyph\n  \
+#[command(
+    after_help = "Examples:\n  sandtable fly\n  sandtable fly mountains.tif --photo mountains.jpg --stereo anaglyph\n  \
     sandtable fly --rig workbench --device flock=/dev/ttyUSB1 --record today.mcap\n  \
-    sandtable fly --replay today.mcap")]
+    sandtable fly --replay today.mcap"
+)]
 pub(crate) struct FlyArgs {
     #[command(flatten)]
     pub(crate) terrain: TerrainArgs,
@@ -163,8 +170,10 @@ pub(crate) struct InfoArgs {
 
 /// Arguments of `render`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  sandtable render mountains.tif --view ridge.toml -o ridge.png --depth ridge.tif\n  \
-    sandtable render mountains.tif --path hike.gpx -o hike.avi --audio hike.wav")]
+#[command(
+    after_help = "Examples:\n  sandtable render mountains.tif --view ridge.toml -o ridge.png --depth ridge.tif\n  \
+    sandtable render mountains.tif --path hike.gpx -o hike.avi --audio hike.wav"
+)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) terrain: TerrainArgs,
@@ -210,8 +219,10 @@ pub(crate) struct RenderArgs {
 
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  sandtable bench builtin:ridges?size=1025\n  \
-    sandtable bench mountains.tif --view ridge.toml --caster brute --caster coherent --check --json")]
+#[command(
+    after_help = "Examples:\n  sandtable bench builtin:ridges?size=1025\n  \
+    sandtable bench mountains.tif --view ridge.toml --caster brute --caster coherent --check --json"
+)]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) terrain: TerrainArgs,
@@ -259,8 +270,10 @@ pub(crate) enum SimulatedDevice {
 
 /// Arguments of `simulate flock`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  sandtable simulate flock --birds 2 --link /tmp/flock\n  \
-    sandtable simulate flock --birds 1 --hold 12,3,-5,30,20,10 --baud 9600")]
+#[command(
+    after_help = "Examples:\n  sandtable simulate flock --birds 2 --link /tmp/flock\n  \
+    sandtable simulate flock --birds 1 --hold 12,3,-5,30,20,10 --baud 9600"
+)]
 pub(crate) struct SimulateFlockArgs {
     /// How many birds.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -282,10 +295,6 @@ pub(crate) struct SimulateFlockArgs {
     #[arg(long, value_name = "MOTION", default_value = "circle")]
     pub(crate) motion: String,
 
-    /// Full scale in inches: 36, 72 or 144.
-    #[arg(long, value_name = "INCHES", default_value_t = 72)]
-    pub(crate) range: u32,
-
     /// Lose every Nth byte of the stream.
     #[arg(long, value_name = "N")]
     pub(crate) drop_every: Option<u64>,
@@ -293,7 +302,9 @@ pub(crate) struct SimulateFlockArgs {
 
 /// Arguments of `record`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sandtable record --rig workbench --device flock=/dev/ttyUSB1 -o today.mcap")]
+#[command(
+    after_help = "Example:\n  sandtable record --rig workbench --device flock=/dev/ttyUSB1 -o today.mcap"
+)]
 pub(crate) struct RecordArgs {
     /// The rig: workbench, or a rig file.
     #[arg(long, value_name = "RIG", default_value = "workbench")]
@@ -339,18 +350,28 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 fn parse_cell(text: &str) -> Result<(u32, u32), String> {
     let wanted = || format!("{text:?} is not COLUMN,ROW, like 12,7");
     let (col, row) = text.split_once(',').ok_or_else(wanted)?;
-    Ok((col.trim().parse().map_err(|_| wanted())?, row.trim().parse().map_err(|_| wanted())?))
+    Ok((
+        col.trim().parse().map_err(|_| wanted())?,
+        row.trim().parse().map_err(|_| wanted())?,
+    ))
 }
 
 /// Six numbers with commas between them.
 fn parse_hold(text: &str) -> Result<[f64; 6], String> {
     let numbers: Vec<f64> = text
         .split(',')
-        .map(|part| part.trim().parse::<f64>().ok().filter(|number| number.is_finite()))
+        .map(|part| {
+            part.trim()
+                .parse::<f64>()
+                .ok()
+                .filter(|number| number.is_finite())
+        })
         .collect::<Option<_>>()
         .ok_or_else(|| format!("{text:?} is not X,Y,Z,AZ,EL,ROLL in inches and degrees"))?;
     let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
+    numbers
+        .try_into()
+        .map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
 }
 
 #[cfg(test)]
@@ -367,19 +388,25 @@ mod tests {
     fn flying_needs_no_command() {
         let cli = Cli::parse_from(["sandtable", "mountains.tif", "--stereo", "anaglyph"]);
         assert!(cli.command.is_none());
-        assert_eq!(cli.fly.terrain.terrain, "mountains.tif");
+        assert_eq!(cli.fly.terrain.terrain.as_deref(), Some("mountains.tif"));
         assert_eq!(cli.fly.stereo, Some(StereoArg::Anaglyph));
-        assert_eq!(Cli::parse_from(["sandtable"]).fly.terrain.terrain, "builtin:jacksboro");
     }
 
     #[test]
     fn held_poses_may_be_negative() {
         let cli = Cli::try_parse_from([
-            "sandtable", "simulate", "flock", "--hold", "-1,2,-3,4,5,6", "--hold", "0,0,0,0,0,0",
+            "sandtable",
+            "simulate",
+            "flock",
+            "--hold",
+            "-1,2,-3,4,5,6",
+            "--hold",
+            "0,0,0,0,0,0",
         ])
         .unwrap();
-        let Some(Command::Simulate(SimulateArgs { device: SimulatedDevice::Flock(flock) })) =
-            cli.command
+        let Some(Command::Simulate(SimulateArgs {
+            device: SimulatedDevice::Flock(flock),
+        })) = cli.command
         else {
             panic!("not a simulation");
         };

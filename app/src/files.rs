@@ -8,13 +8,20 @@ use std::path::Path;
 
 /// Writes a file through `write`, under a temporary name beside it that takes its place at the
 /// end: what was there before survives a failure.
-pub(crate) fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<std::fs::File>) -> Result<()>) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+pub(crate) fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<std::fs::File>) -> Result<()>,
+) -> Result<()> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
-    let Some(name) = path.file_name() else { bail!("{} names no file", path.display()) };
+    let Some(name) = path.file_name() else {
+        bail!("{} names no file", path.display())
+    };
     let mut partial = name.to_owned();
     partial.push(".partial");
     let partial = path.with_file_name(partial);
@@ -28,13 +35,19 @@ pub(crate) fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<std::fs
     })();
     result.map_err(|error: anyhow::Error| {
         let _ = std::fs::remove_file(&partial);
-        error.context(format!("cannot write {}; is the folder there, writable and not full?", path.display()))
+        error.context(format!(
+            "cannot write {}; is the folder there, writable and not full?",
+            path.display()
+        ))
     })
 }
 
 /// Writes an image as PNG or JPEG, by the name's ending.
 pub(crate) fn write_image(path: &Path, image: &RgbaImage) -> Result<()> {
-    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let ending = path
+        .extension()
+        .and_then(|ending| ending.to_str())
+        .map(str::to_ascii_lowercase);
     match ending.as_deref() {
         Some("png") => write_whole(path, |file| {
             let encoder = image::codecs::png::PngEncoder::new(file);

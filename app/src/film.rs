@@ -84,7 +84,11 @@ impl Film {
         let frames = (seconds * f64::from(WAV_SAMPLE_RATE)).round() as u64;
         let at = |seconds: f64| {
             let frame = (seconds * f64::from(self.rate)) as usize;
-            soundscapes.get(frame).or(soundscapes.last()).copied().unwrap_or_default()
+            soundscapes
+                .get(frame)
+                .or(soundscapes.last())
+                .copied()
+                .unwrap_or_default()
         };
         render_to_wav(path, frames, session.sound_settings(), at)
             .with_context(|| format!("the film {} itself is done", self.output.display()))
@@ -94,6 +98,7 @@ impl Film {
 /// A bar on a terminal; nothing elsewhere.
 fn progress(frames: u32) -> indicatif::ProgressBar {
     let bar = indicatif::ProgressBar::new(u64::from(frames));
-    let style = indicatif::ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left");
+    let style =
+        indicatif::ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left");
     bar.with_style(style.unwrap_or_else(|_| indicatif::ProgressStyle::default_bar()))
 }

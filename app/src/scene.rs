@@ -7,6 +7,13 @@ use sandtable_cast::{CASTERS, Caster, Scene, caster_by_name};
 use sandtable_terrain::{Terrain, TerrainSource};
 use std::sync::Arc;
 
+impl TerrainArgs {
+    /// The terrain's name, as it was given or the default one's.
+    pub(crate) fn source(&self) -> &str {
+        self.terrain.as_deref().unwrap_or("builtin:jacksboro")
+    }
+}
+
 /// A terrain that stands as a scene.
 pub(crate) struct OpenScene {
     /// What people call the terrain.
@@ -19,19 +26,30 @@ pub(crate) struct OpenScene {
 
 /// Opens the terrain that `args` name, and says what was noteworthy about it.
 pub(crate) fn open(args: &TerrainArgs) -> Result<OpenScene> {
-    let source: TerrainSource = args.terrain.parse().map_err(usage)?;
-    let Terrain { name, ground, georeference, notes } =
-        sandtable_terrain::open(&source, args.photo.as_deref())?;
+    let source: TerrainSource = args.source().parse().map_err(usage)?;
+    let Terrain {
+        name,
+        ground,
+        georeference,
+        notes,
+    } = sandtable_terrain::open(&source, args.photo.as_deref())?;
     for note in notes {
         tracing::info!("{note}");
     }
-    Ok(OpenScene { name, scene: Scene::new(ground), georeference })
+    Ok(OpenScene {
+        name,
+        scene: Scene::new(ground),
+        georeference,
+    })
 }
 
 /// The caster of that name.
 pub(crate) fn caster(name: &str) -> Result<&'static dyn Caster> {
     caster_by_name(name).ok_or_else(|| {
         let known: Vec<_> = CASTERS.iter().map(|caster| caster.name()).collect();
-        usage(format!("no caster is called {name:?}: use {}", known.join(" or ")))
+        usage(format!(
+            "no caster is called {name:?}: use {}",
+            known.join(" or ")
+        ))
     })
 }

@@ -48,7 +48,11 @@ impl Tour {
                 near.iter().sum::<f64>() / near.len() as f64 + clearance
             })
             .collect();
-        Self { centre, radii, heights }
+        Self {
+            centre,
+            radii,
+            heights,
+        }
     }
 
     /// The place at `share` of the round.
@@ -71,7 +75,14 @@ impl Tour {
         let turn = (heading(ahead, beyond) - yaw + 1.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
         let climb = (ahead.z - eye.z).atan2(ahead.truncate().distance(eye.truncate()));
         let pitch = 0.5 * climb - 12f64.to_radians();
-        (eye, Attitude { yaw: yaw + 0.5 * turn, pitch, roll: 0.35 * turn })
+        (
+            eye,
+            Attitude {
+                yaw: yaw + 0.5 * turn,
+                pitch,
+                roll: 0.35 * turn,
+            },
+        )
     }
 
     /// Puts `session` where the tour is at `share` of the round: a camera flies it; at a table,
@@ -108,7 +119,11 @@ mod tests {
         for step in 0..500 {
             let at = tour.place(f64::from(step) / 500.0);
             let height = ground.height_at(at.x, at.y).expect("within the terrain");
-            assert!(at.z > height + 10.0, "{} m above ground at {step}", at.z - height);
+            assert!(
+                at.z > height + 10.0,
+                "{} m above ground at {step}",
+                at.z - height
+            );
         }
         assert!(tour.place(0.0).distance(tour.place(1.0)) < 1e-6);
     }

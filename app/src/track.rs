@@ -51,8 +51,14 @@ pub(crate) fn render(
     let hub = Arc::new(Hub::for_rig(&rig));
     let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub);
     let eye_size = view.map_or([960, 540], ViewFile::size);
-    if let (Some(view), Viewpoint::Camera { horizontal_fov, stereo, .. }) =
-        (view, session.viewpoint_mut())
+    if let (
+        Some(view),
+        Viewpoint::Camera {
+            horizontal_fov,
+            stereo,
+            ..
+        },
+    ) = (view, session.viewpoint_mut())
     {
         if let Some(fov) = view.horizontal_fov() {
             *horizontal_fov = fov;
@@ -79,7 +85,12 @@ pub(crate) fn render(
         }
         session.set_airspeed(airspeed);
     })?;
-    println!("{}: {} frames, {:.1} s", args.output.display(), film.frames, track.seconds());
+    println!(
+        "{}: {} frames, {:.1} s",
+        args.output.display(),
+        film.frames,
+        track.seconds()
+    );
     Ok(())
 }
 
@@ -109,18 +120,27 @@ impl Track {
         let waypoints: Vec<gpx::Waypoint> = gpx
             .tracks
             .into_iter()
-            .map(|track| track.segments.into_iter().flat_map(|segment| segment.points).collect())
+            .map(|track| {
+                track
+                    .segments
+                    .into_iter()
+                    .flat_map(|segment| segment.points)
+                    .collect()
+            })
             .chain(gpx.routes.into_iter().map(|route| route.points))
             .find(|points: &Vec<_>| points.len() >= 2)
             .with_context(|| {
-                format!("{} has no track or route of two points or more", path.display())
+                format!(
+                    "{} has no track or route of two points or more",
+                    path.display()
+                )
             })?;
         let mut places = Vec::with_capacity(waypoints.len());
         for point in &waypoints {
             let degrees = DVec2::new(point.point().x(), point.point().y());
-            let at = georeference
-                .world_from_wgs84(degrees)
-                .with_context(|| format!("cannot place the track {} on the terrain", path.display()))?;
+            let at = georeference.world_from_wgs84(degrees).with_context(|| {
+                format!("cannot place the track {} on the terrain", path.display())
+            })?;
             let surface = ground.height_at(at.x, at.y);
             let floor = surface.unwrap_or(f64::from(ground.range()[0]));
             let z = point.elevation.unwrap_or(floor + height).max(floor + 2.0);
@@ -157,7 +177,10 @@ impl Track {
 
     fn place(&self, seconds: f64) -> DVec3 {
         let after = self.points.partition_point(|(at, _)| *at <= seconds);
-        match (self.points.get(after.wrapping_sub(1)), self.points.get(after)) {
+        match (
+            self.points.get(after.wrapping_sub(1)),
+            self.points.get(after),
+        ) {
             (Some((t0, from)), Some((t1, to))) => from.lerp(*to, (seconds - t0) / (t1 - t0)),
             (Some((_, last)), None) => *last,
             (None, first) => first.map_or(DVec3::ZERO, |(_, place)| *place),
@@ -178,6 +201,14 @@ impl Track {
             pitch: 0.5 * way.z.atan2(along.max(1e-9)) - 10f64.to_radians(),
             roll: 0.0,
         };
-        (eye, attitude, if to > from { way.length() / (to - from) } else { 0.0 })
+        (
+            eye,
+            attitude,
+            if to > from {
+                way.length() / (to - from)
+            } else {
+                0.0
+            },
+        )
     }
 }

@@ -49,7 +49,10 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
     }
     let casters = match args.caster.as_slice() {
         [] => vec![CASTERS[0]],
-        names => names.iter().map(|name| scene::caster(name)).collect::<Result<_>>()?,
+        names => names
+            .iter()
+            .map(|name| scene::caster(name))
+            .collect::<Result<_>>()?,
     };
     let open = scene::open(&args.terrain)?;
     let ground = Arc::clone(&open.scene.ground);
@@ -67,9 +70,9 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
     let first_picture_ms = started.elapsed().as_secs_f64() * 1e3;
     drop(first);
     let peak_resident_bytes = resident::peak_bytes();
-    let photo_pixels = ground
-        .photo()
-        .map_or(0, |photo| u64::from(photo.pixels.cols()) * u64::from(photo.pixels.rows()));
+    let photo_pixels = ground.photo().map_or(0, |photo| {
+        u64::from(photo.pixels.cols()) * u64::from(photo.pixels.rows())
+    });
     let resident_limit_bytes = 300_000_000 + 4 * ground.grid().posts() + 4 * photo_pixels;
 
     let mut lines = Vec::new();
@@ -173,7 +176,11 @@ fn time(pool: &CastPool, prepared: &dyn PreparedScene, view: View, frames: usize
     let mut floor = ShadeFloor::new(&image);
     let ground = &prepared.scene().ground;
     let shade_only = Times::of(frames, || pool.run(|| floor.shade(ground)));
-    Timed { frames: cast, shade_only, image }
+    Timed {
+        frames: cast,
+        shade_only,
+        image,
+    }
 }
 
 fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]) {
@@ -187,7 +194,9 @@ fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]
         let check = line.check.as_ref().map_or_else(
             || "not checked (--check)".to_owned(),
             |check| {
-                let psnr = check.psnr_db.map_or("identical".into(), |db| format!("{db:.1} dB"));
+                let psnr = check
+                    .psnr_db
+                    .map_or("identical".into(), |db| format!("{db:.1} dB"));
                 format!(
                     "{} pixels over 0.1 cell, {} over 0.5; at most {:.3} cells; {psnr}",
                     check.over_0_1_cell, check.over_0_5_cell, check.max_cells
@@ -210,7 +219,9 @@ fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]
         let mb = |bytes: u64| bytes as f64 / 1e6;
         let peak = line
             .peak_resident_bytes
-            .map_or("not known here".to_owned(), |bytes| format!("{:.0} MB", mb(bytes)));
+            .map_or("not known here".to_owned(), |bytes| {
+                format!("{:.0} MB", mb(bytes))
+            });
         println!(
             "first picture {:.0} ms after the start; peak resident memory then {peak} \
              (limit {:.0} MB)",

@@ -52,5 +52,11 @@ fn views(file: &ViewFile, stereo: StereoArg) -> Result<Vec<View>, ViewFileError>
 fn composed(images: &[Image], stereo: StereoArg) -> image::RgbaImage {
     let mode = stereo.mode();
     let frame = whole_frame(mode, images[0].view.size);
-    compose(&images[0], images.last().unwrap_or(&images[0]), mode, false, frame)
+    compose(
+        &images[0],
+        images.last().unwrap_or(&images[0]),
+        mode,
+        false,
+        frame,
+    )
 }

@@ -17,7 +17,11 @@ pub(crate) struct Body {
 impl Default for Body {
     /// A body that nothing tracks, at the table's origin.
     fn default() -> Self {
-        Self { sensor: None, table_from_body: Rigid::IDENTITY, validity: None }
+        Self {
+            sensor: None,
+            table_from_body: Rigid::IDENTITY,
+            validity: None,
+        }
     }
 }
 
@@ -27,13 +31,20 @@ const REACH: f64 = 3.0;
 impl Body {
     /// A body that rests at `rest` until its sensor says otherwise.
     pub(crate) fn new(sensor: Option<SensorName>, rest: Rigid) -> Self {
-        Self { sensor, table_from_body: rest, validity: None }
+        Self {
+            sensor,
+            table_from_body: rest,
+            validity: None,
+        }
     }
 
     /// Takes in the tracked pose at `time`. A lost one leaves the body where it last was: nothing
     /// snaps back to its rest.
     pub(crate) fn follow(&mut self, hub: &Hub, time: Nanos) {
-        let pose = self.sensor.as_ref().and_then(|sensor| hub.pose_at(sensor, time));
+        let pose = self
+            .sensor
+            .as_ref()
+            .and_then(|sensor| hub.pose_at(sensor, time));
         if let Some(pose) = pose {
             self.table_from_body = pose.frame_from_body;
             self.validity = Some(pose.validity);
@@ -72,9 +83,14 @@ impl Body {
 
     /// How it is, for the panel: "flock/1 live", "at rest".
     pub(crate) fn state(&self) -> (String, bool) {
-        let Some(sensor) = &self.sensor else { return ("untracked; the mouse moves it".into(), true) };
+        let Some(sensor) = &self.sensor else {
+            return ("untracked; the mouse moves it".into(), true);
+        };
         match self.validity {
-            None => (format!("{sensor} has said nothing yet; the mouse moves it"), false),
+            None => (
+                format!("{sensor} has said nothing yet; the mouse moves it"),
+                false,
+            ),
             Some(Validity::Live) => (format!("{sensor} live"), true),
             Some(Validity::Held) => (format!("{sensor} held"), false),
             Some(Validity::Lost) => (format!("{sensor} lost; the mouse moves it"), false),

@@ -17,7 +17,11 @@ impl Session {
         let start = self.position();
         let ground = Arc::clone(&self.prepared.scene().ground);
         match &mut self.viewpoint {
-            Viewpoint::Camera { camera, horizontal_fov, .. } => {
+            Viewpoint::Camera {
+                camera,
+                horizontal_fov,
+                ..
+            } => {
                 let height = height_above(&ground, camera.eye);
                 camera.pace = camera.pace.faster(drive.mouse.wheel);
                 let speed = camera.pace.speed(height) * drive.boost;
@@ -27,8 +31,8 @@ impl Session {
                 camera.turn(-drive.mouse.drag.x * radians, drive.mouse.drag.y * radians);
                 let [right, up, _] = camera.attitude.axes();
                 let reach = speed * 0.5;
-                camera.eye += reach
-                    * (drive.mouse.other_drag.y * up - drive.mouse.other_drag.x * right);
+                camera.eye +=
+                    reach * (drive.mouse.other_drag.y * up - drive.mouse.other_drag.x * right);
             }
             Viewpoint::Table { screen, flight, .. } => {
                 flight.advance(&drive.axes, drive.boost, seconds);
@@ -41,7 +45,8 @@ impl Session {
                 self.head.push(DVec3::new(head.x, -head.y, 0.0));
                 if drive.mouse.wheel != 0.0 {
                     if drive.mouse.buttons[1] {
-                        self.head.push(DVec3::new(0.0, 0.0, 0.02 * drive.mouse.wheel));
+                        self.head
+                            .push(DVec3::new(0.0, 0.0, 0.02 * drive.mouse.wheel));
                     } else {
                         let placement = flight.placement;
                         let scale = placement.scale * 1.1f64.powf(-drive.mouse.wheel);
@@ -113,9 +118,24 @@ impl Session {
                 (camera.attitude, camera.pace.speed(height), None)
             }
             Viewpoint::Table { flight, .. } => {
-                let Placement { yaw, scale, exaggeration, .. } = flight.placement;
-                let attitude = Attitude { yaw, ..Attitude::default() };
-                (attitude, flight.speed * scale, Some(TableReadings { scale, exaggeration }))
+                let Placement {
+                    yaw,
+                    scale,
+                    exaggeration,
+                    ..
+                } = flight.placement;
+                let attitude = Attitude {
+                    yaw,
+                    ..Attitude::default()
+                };
+                (
+                    attitude,
+                    flight.speed * scale,
+                    Some(TableReadings {
+                        scale,
+                        exaggeration,
+                    }),
+                )
             }
         };
         Readings {
@@ -140,11 +160,21 @@ impl Session {
     }
 
     fn device_lines(&self) -> Vec<Device> {
-        let bodies = [("head", &self.head, self.rig.head.is_some()), ("hand", &self.hand, self.rig.hand.is_some())];
-        let bodies = bodies.into_iter().filter(|(.., there)| *there).map(|(name, body, _)| {
-            let (state, works) = body.state();
-            Device { name: name.into(), state, works }
-        });
+        let bodies = [
+            ("head", &self.head, self.rig.head.is_some()),
+            ("hand", &self.hand, self.rig.hand.is_some()),
+        ];
+        let bodies = bodies
+            .into_iter()
+            .filter(|(.., there)| *there)
+            .map(|(name, body, _)| {
+                let (state, works) = body.state();
+                Device {
+                    name: name.into(),
+                    state,
+                    works,
+                }
+            });
         bodies.collect()
     }
 }

@@ -8,6 +8,7 @@ mod drive;
 mod sound;
 
 pub(crate) use body::Body;
+pub(crate) use sound::summit;
 
 use crate::navigation::{FlyCamera, Pace, TableFlight};
 use crate::scene::OpenScene;
@@ -113,7 +114,22 @@ impl Session {
         &self.rig
     }
 
+    /// What people call the terrain.
+    pub(crate) fn terrain(&self) -> &str {
+        &self.terrain
+    }
+
+    /// Where head and hand are looked up.
+    pub(crate) fn hub(&self) -> &Arc<Hub> {
+        &self.hub
+    }
+
     /// Where people look from.
+    pub(crate) fn viewpoint(&self) -> &Viewpoint {
+        &self.viewpoint
+    }
+
+    /// Where people look from, to be moved.
     pub(crate) fn viewpoint_mut(&mut self) -> &mut Viewpoint {
         &mut self.viewpoint
     }
@@ -130,7 +146,6 @@ impl Session {
     pub(crate) fn set_placement(&mut self, recorded: Placement) {
         if let Viewpoint::Table { flight, .. } = &mut self.viewpoint {
             flight.placement = recorded;
-            self.home = self.viewpoint.clone();
         }
     }
 
@@ -152,7 +167,11 @@ impl Session {
     /// The views for eye images of `size` pixels: one, or a left and a right eye's.
     pub(crate) fn views(&self, size: [u32; 2], stereo: bool) -> Vec<View> {
         match &self.viewpoint {
-            Viewpoint::Camera { camera, horizontal_fov, stereo: eyes } => {
+            Viewpoint::Camera {
+                camera,
+                horizontal_fov,
+                stereo: eyes,
+            } => {
                 let camera = sandtable_view::Camera {
                     eye: camera.eye,
                     attitude: camera.attitude,
@@ -164,14 +183,24 @@ impl Session {
                     vec![camera.view(size)]
                 }
             }
-            Viewpoint::Table { screen, flight, eyes } => {
+            Viewpoint::Table {
+                screen,
+                flight,
+                eyes,
+            } => {
                 let table_from_head = self.head.table_from_body();
                 let pair = |eyes| StereoPair::on_table(eyes, screen, &flight.placement, size);
                 if stereo {
                     pair(eyes.on_table(&table_from_head)).into_array().to_vec()
                 } else {
                     let middle = table_from_head.point(eyes.middle);
-                    vec![pair(StereoPair { left: middle, right: middle }).left]
+                    vec![
+                        pair(StereoPair {
+                            left: middle,
+                            right: middle,
+                        })
+                        .left,
+                    ]
                 }
             }
         }
@@ -195,7 +224,8 @@ impl Session {
         let rest = self.rig.head.as_ref().map(|head| head.rest.translation);
         if let Some(rest) = rest {
             let (s, c) = (share * std::f64::consts::TAU).sin_cos();
-            self.head.place(rest + DVec3::new(0.35 * s, 0.15 * (1.0 - c), 0.06 * (1.0 - c)));
+            self.head
+                .place(rest + DVec3::new(0.35 * s, 0.15 * (1.0 - c), 0.06 * (1.0 - c)));
         }
     }
 
@@ -242,14 +272,22 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
             let speed = rig.flight.speed.of(longer_side) / placement.scale;
             // A table always has a head: rigs without one are refused when they are read.
             let eyes = rig.head.as_ref().map_or(
-                EyesInHead { middle: DVec3::ZERO, rightwards: DVec3::X, interpupillary: 0.0 },
+                EyesInHead {
+                    middle: DVec3::ZERO,
+                    rightwards: DVec3::X,
+                    interpupillary: 0.0,
+                },
                 |head| EyesInHead {
                     middle: head.eyes.middle,
                     rightwards: head.eyes.rightwards,
                     interpupillary: head.eyes.interpupillary,
                 },
             );
-            Viewpoint::Table { screen, flight: TableFlight { placement, speed }, eyes }
+            Viewpoint::Table {
+                screen,
+                flight: TableFlight { placement, speed },
+                eyes,
+            }
         }
     }
 }

@@ -24,8 +24,17 @@ impl Session {
             Viewpoint::Camera { camera, .. } => {
                 let [right, ..] = Attitude::axes(&camera.attitude);
                 let near = 0.02 * self.ground().grid().extent().max_element();
-                let source = Source { reference_distance: near, ..Source::at(summit) };
-                (Listener { position: camera.eye, right }, source)
+                let source = Source {
+                    reference_distance: near,
+                    ..Source::at(summit)
+                };
+                (
+                    Listener {
+                        position: camera.eye,
+                        right,
+                    },
+                    source,
+                )
             }
             Viewpoint::Table { flight, eyes, .. } => {
                 let head = self.head.table_from_body().point(eyes.middle);
@@ -33,7 +42,11 @@ impl Session {
                 (Listener::at_table(head), Source::at(summit))
             }
         };
-        Soundscape { listener, source: Some(source), airspeed: self.airspeed }
+        Soundscape {
+            listener,
+            source: Some(source),
+            airspeed: self.airspeed,
+        }
     }
 }
 
@@ -43,7 +56,11 @@ pub(crate) fn summit(ground: &Ground) -> DVec3 {
     let highest = ground.range()[1];
     let tile_posts = sandtable_terrain::TILE_CELLS;
     for tile in heights.tile_indices() {
-        let Some(at) = heights.tile_posts(tile).iter().position(|&height| height == highest) else {
+        let Some(at) = heights
+            .tile_posts(tile)
+            .iter()
+            .position(|&height| height == highest)
+        else {
             continue;
         };
         let stride = (grid.cols - tile.col * tile_posts).min(tile_posts + 1);

@@ -1,7 +1,7 @@
 //! From a file's coordinates to world metres and back.
 
 use crate::raster::Header;
-use crate::{Crs, TerrainError};
+use crate::{Crs, PlaceError, TerrainError};
 use glam::DVec2;
 use std::path::Path;
 
@@ -74,6 +74,15 @@ impl Georeference {
     #[must_use]
     pub fn world_from_crs(&self, place: DVec2) -> DVec2 {
         (place - self.origin) * self.metres_per_unit
+    }
+
+    /// World x and y in metres of a WGS 84 longitude and latitude in degrees.
+    ///
+    /// # Errors
+    /// [`PlaceError`] where the terrain's system is unknown, not computed or does not reach there.
+    pub fn world_from_wgs84(&self, degrees: DVec2) -> Result<DVec2, PlaceError> {
+        let crs = self.crs.as_ref().ok_or(PlaceError::NoCrs)?;
+        Ok(self.world_from_crs(crs.from_wgs84(degrees)?))
     }
 
     /// Coordinates of a place in world metres.

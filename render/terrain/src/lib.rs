@@ -22,7 +22,7 @@ mod source;
 mod tiled;
 
 pub use colour::{Rgb, hypsometric};
-pub use crs::{Crs, CrsRelation, Datum, Projection, WktError};
+pub use crs::{Crs, CrsRelation, Datum, PlaceError, Projection, WktError};
 pub use error::TerrainError;
 pub use georeference::Georeference;
 pub use ground::{Grid, Ground, GroundError, Holes};

@@ -19,7 +19,9 @@ pub(super) struct Ridges {
 impl Ridges {
     pub(super) fn new(seed: u64) -> Self {
         let mixed = (seed ^ (seed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        Self { seed: (mixed >> 32) as u32 }
+        Self {
+            seed: (mixed >> 32) as u32,
+        }
     }
 
     /// Height in metres at a place in metres.
@@ -31,7 +33,10 @@ impl Ridges {
             noise(wx, wy, layer(100)).value + 0.4 * noise(wx * 2.7, wy * 2.7, layer(101)).value,
             noise(wx, wy, layer(102)).value + 0.4 * noise(wx * 2.7, wy * 2.7, layer(103)).value,
         ];
-        let (px, py) = (x + 2_200.0 * f64::from(warp[0]), y + 2_200.0 * f64::from(warp[1]));
+        let (px, py) = (
+            x + 2_200.0 * f64::from(warp[0]),
+            y + 2_200.0 * f64::from(warp[1]),
+        );
         // Where there are high ranges and where plains.
         let land = noise(x / 38_000.0, y / 38_000.0, layer(104)).value;
         let uplift = (0.62 + 0.6 * land).clamp(0.12, 1.15);

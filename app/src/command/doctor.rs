@@ -1,0 +1,17 @@
+//! `sandtable doctor`: what is there, what is missing, and how to get it.
+
+use crate::cli::DoctorArgs;
+use crate::doctor::examine;
+use anyhow::Result;
+use std::io::Write;
+
+pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
+    let report = examine();
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        writeln!(out, "{:#}", report.json())?;
+    } else {
+        write!(out, "{report}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,247 @@
+//! `sandtable fly`: opens the table; without a display, writes a flight to a file instead.
+
+use crate::cli::FlyArgs;
+use crate::exit::usage;
+use crate::film::Film;
+use crate::live::{Live, Timeline, frame_time};
+use crate::session::Session;
+use crate::tape::{self, Tape};
+use crate::tour::Tour;
+use crate::window::{Display, WindowError, WindowOptions};
+use crate::{rig, scene};
+use anyhow::{Context, Result};
+use sandtable_cast::CastPool;
+use sandtable_config::{StereoMode as RigStereo, Viewing};
+use sandtable_input::{Clock, Devices, Gamepads, Hub, Replay};
+use sandtable_stage::{Composing, StereoMode};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Frames a second of a flight that is written to a file.
+const TOUR_RATE: u32 = 30;
+/// Frames a second at which a recording is replayed: none is skipped.
+const REPLAY_RATE: u32 = 60;
+/// The longest film, in seconds.
+const LONGEST: f64 = 3600.0;
+
+pub(crate) fn run(args: &FlyArgs) -> Result<()> {
+    if !(args.seconds > 0.0 && args.seconds <= LONGEST) {
+        return Err(usage("--seconds must be above 0 and at most 3600"));
+    }
+    let caster = scene::caster(&args.caster)?;
+    let replay = args.replay.as_deref().map(open_replay).transpose()?;
+    let rig = match &replay {
+        Some(replay) => replay.rig().clone(),
+        None => rig::open(args.rig.as_deref().unwrap_or("desktop"), &args.device)?,
+    };
+    let display = if args.headless {
+        Err("asked for with --headless".to_owned())
+    } else {
+        Display::connect().map_err(|error| error.to_string())
+    };
+    let terrain = match &replay {
+        Some(replay) => tape::terrain(replay, &args.terrain)?,
+        None => args.terrain.clone(),
+    };
+    let open = scene::open(&terrain)?;
+    let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
+    let hub = Arc::new(Hub::for_rig(&rig));
+    let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub);
+    match display {
+        Ok(display) => {
+            let clock = Clock::start();
+            let timeline = match replay {
+                Some(replay) => Timeline::Replayed {
+                    replay: Box::new(replay),
+                    begun: Instant::now(),
+                },
+                None => {
+                    let tape = args
+                        .record
+                        .as_deref()
+                        .map(|path| Tape::create(path, &session, &terrain, clock.now()))
+                        .transpose()?;
+                    let recorder = tape.as_ref().map(Tape::recorder);
+                    let devices = Devices::start(session.rig(), session.hub(), clock, recorder)?;
+                    Timeline::Live {
+                        clock,
+                        devices,
+                        tape,
+                    }
+                }
+            };
+            in_window(args, display, session, timeline, pool)
+        }
+        Err(why) => {
+            if args.record.is_some() {
+                return Err(usage(format!(
+                    "--record needs a display ({why}); without one, use: sandtable record"
+                )));
+            }
+            without_display(args, &why, &mut session, replay, &pool)
+        }
+    }
+}
+
+fn open_replay(path: &Path) -> Result<Replay> {
+    let replay = Replay::open(path)?;
+    if let Some(cut) = replay.cut() {
+        tracing::warn!("{cut}");
+    }
+    Ok(replay)
+}
+
+fn in_window(
+    args: &FlyArgs,
+    display: Display,
+    session: Session,
+    timeline: Timeline,
+    pool: Arc<CastPool>,
+) -> Result<()> {
+    let rig = session.rig();
+    let options = WindowOptions {
+        title: format!("sandtable: {}", session.terrain()),
+        size: args.size.unwrap_or_else(|| match &rig.viewing {
+            Viewing::Table(table) => table.pixels,
+            Viewing::Desktop(_) => [1280, 800],
+        }),
+        full_screen: false,
+        composing: Composing {
+            mode: args
+                .stereo
+                .map_or(stage_mode(rig.stereo.mode), |stereo| stereo.mode()),
+            swap_eyes: rig.stereo.swap_eyes ^ args.swap_eyes,
+        },
+        panel: true,
+        screenshots: std::env::current_dir().unwrap_or_default(),
+    };
+    let gamepads = match Gamepads::open() {
+        Ok(gamepads) => Some(gamepads),
+        Err(note) => {
+            tracing::info!("no gamepads: {note}");
+            None
+        }
+    };
+    let mut live = Live::new(session, timeline, gamepads, args.mute);
+    let shown = display.run(options, pool, &mut live);
+    let tape = live.end();
+    if let (Some(tape), Some(path)) = (tape, &args.record) {
+        tape::finish(&tape, path)?;
+    }
+    match shown {
+        Err(error @ (WindowError::NoWindow(_) | WindowError::NoGpu(_))) => {
+            Err(anyhow::Error::new(error)
+                .context("`sandtable fly --headless` writes the flight to a file instead"))
+        }
+        shown => Ok(shown?),
+    }
+}
+
+/// Writes a flight to a file: a tour over the terrain, or the replay.
+fn without_display(
+    args: &FlyArgs,
+    why: &str,
+    session: &mut Session,
+    replay: Option<Replay>,
+    pool: &CastPool,
+) -> Result<()> {
+    let rig = session.rig();
+    let stereo = args.stereo.map_or_else(
+        || match stage_mode(rig.stereo.mode) {
+            // A rig that shows one eye still shows here what stereo is.
+            StereoMode::Mono => StereoMode::SideBySide,
+            mode => mode,
+        },
+        |stereo| stereo.mode(),
+    );
+    let table_pixels = match &rig.viewing {
+        Viewing::Table(table) => Some(table.pixels),
+        Viewing::Desktop(_) => None,
+    };
+    let seconds = replay.as_ref().map_or(args.seconds, |replay| {
+        replay
+            .end()
+            .since(replay.start())
+            .as_secs_f64()
+            .min(LONGEST)
+    });
+    let rate = if replay.is_some() {
+        REPLAY_RATE
+    } else {
+        TOUR_RATE
+    };
+    let film = Film {
+        output: args.output.clone(),
+        audio: args.audio.clone(),
+        eye_size: args.size.or(table_pixels).unwrap_or([960, 540]),
+        stereo,
+        swap_eyes: rig.stereo.swap_eyes ^ args.swap_eyes,
+        rate,
+        frames: (seconds * f64::from(rate)).ceil().max(1.0) as u32,
+    };
+    println!(
+        "no window: {why}\nwriting {} frames of a {stereo} flight ({seconds:.1} s) over {} to {}",
+        film.frames,
+        session.terrain(),
+        film.output.display()
+    );
+    match replay {
+        Some(mut replay) => {
+            let start = replay.start();
+            let mut problem = Ok(());
+            film.shoot(session, pool, |session, frame| {
+                let time = frame_time(start, frame, REPLAY_RATE);
+                let recalled = tape::recall(&mut replay, session, time);
+                if problem.is_ok() {
+                    problem = recalled;
+                }
+            })?;
+            problem?;
+        }
+        None => {
+            let tour = Tour::over(session.ground());
+            let share = |frame: u32| {
+                // A steady pace: a full round takes a minute.
+                f64::from(frame) / f64::from(TOUR_RATE) / 60.0
+            };
+            tour.guide(session, share(0), 0.0);
+            film.shoot(session, pool, |session, frame| {
+                tour.guide(session, share(frame), 1.0 / f64::from(TOUR_RATE));
+            })?;
+        }
+    }
+    println!(
+        "{} is written; play it with any video player",
+        film.output.display()
+    );
+    if let Some(audio) = &film.audio {
+        println!("its sound is in {}", audio.display());
+    }
+    Ok(())
+}
+
+/// The stage's word for a rig's stereo mode.
+fn stage_mode(mode: RigStereo) -> StereoMode {
+    match mode {
+        RigStereo::Mono => StereoMode::Mono,
+        RigStereo::SideBySide => StereoMode::SideBySide,
+        RigStereo::TopBottom => StereoMode::TopBottom,
+        RigStereo::Anaglyph => StereoMode::Anaglyph,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sandtable_config::Rig;
+
+    #[test]
+    fn every_stereo_mode_of_a_rig_has_the_stages_name() {
+        for mode in StereoMode::ALL {
+            let text = format!("name = \"r\"\n[camera]\n[stereo]\nmode = \"{mode}\"\n");
+            let rig = Rig::parse(&text, "r.toml").unwrap();
+            assert_eq!(stage_mode(rig.stereo.mode), mode);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! `sandtable record`: the rig's devices to a file, without opening the table.
+
+use crate::cli::RecordArgs;
+use crate::exit::usage;
+use crate::session::Session;
+use crate::tape::{self, Tape};
+use crate::{interrupt, rig, scene};
+use anyhow::{Context, Result, bail};
+use sandtable_cast::{CASTERS, CastPool};
+use sandtable_input::{Clock, Condition, Devices, Hub};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How often devices are looked at.
+const PERIOD: Duration = Duration::from_millis(200);
+
+pub(crate) fn run(args: &RecordArgs) -> Result<()> {
+    if args
+        .seconds
+        .is_some_and(|seconds| !(seconds > 0.0 && seconds < 1e9))
+    {
+        return Err(usage("--seconds must be above 0"));
+    }
+    let rig = rig::open(&args.rig, &args.device)?;
+    if rig.devices.is_empty() {
+        bail!("the rig {:?} has no devices to record", rig.name);
+    }
+    let open = scene::open(&args.terrain)?;
+    let pool = Arc::new(CastPool::new(0).context("cannot start the casting threads")?);
+    let hub = Arc::new(Hub::for_rig(&rig));
+    let session = Session::new(rig, &open, CASTERS[0], pool, Arc::clone(&hub));
+    let stop = interrupt::channel()?;
+    let clock = Clock::start();
+    let tape = Tape::create(&args.output, &session, &args.terrain, clock.now())?;
+    let devices = Devices::start(session.rig(), &hub, clock, Some(tape.recorder()))?;
+    eprintln!("recording to {}; Ctrl-C ends it", args.output.display());
+
+    let end = args
+        .seconds
+        .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+    let mut said = Vec::new();
+    loop {
+        let wait = end.map_or(PERIOD, |end| {
+            PERIOD.min(end.saturating_duration_since(Instant::now()))
+        });
+        if stop.recv_timeout(wait).is_ok() || end.is_some_and(|end| Instant::now() >= end) {
+            break;
+        }
+        let conditions: Vec<_> = devices
+            .states()
+            .into_iter()
+            .map(|state| (state.name, state.condition))
+            .collect();
+        for (name, condition) in &conditions {
+            if !said.contains(&(name.clone(), condition.clone())) {
+                match condition {
+                    Condition::Starting => eprintln!("{name}: starting"),
+                    Condition::Streaming => eprintln!("{name}: streaming"),
+                    Condition::Waiting(why) => eprintln!("{name}: {why}"),
+                }
+            }
+        }
+        said = conditions;
+        if let Some(problem) = tape.recorder().problem() {
+            bail!("{problem}");
+        }
+    }
+    devices.stop();
+    tape::finish(&tape, &args.output)
+}

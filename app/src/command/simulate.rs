@@ -1,0 +1,75 @@
+//! `sandtable simulate`: be a device.
+
+use crate::cli::{SimulateArgs, SimulatedDevice};
+use anyhow::Result;
+
+#[cfg(unix)]
+pub(crate) fn run(args: &SimulateArgs) -> Result<()> {
+    let SimulatedDevice::Flock(args) = &args.device;
+    unix::flock(args)
+}
+
+#[cfg(not(unix))]
+pub(crate) fn run(_: &SimulateArgs) -> Result<()> {
+    anyhow::bail!("simulated devices need pseudo-terminals, which this system does not have")
+}
+
+#[cfg(unix)]
+mod unix {
+    use crate::cli::SimulateFlockArgs;
+    use crate::exit::usage;
+    use crate::interrupt;
+    use anyhow::Result;
+    use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
+    use std::io::Write;
+
+    pub(super) fn flock(args: &SimulateFlockArgs) -> Result<()> {
+        let motion = Motion::named(&args.motion).ok_or_else(|| {
+            let known = Motion::NAMES.join(", ");
+            usage(format!(
+                "no motion is called {:?}: use one of {known}",
+                args.motion
+            ))
+        })?;
+        let birds = u32::from(args.birds);
+        if args.hold.len() > birds as usize {
+            return Err(usage(format!(
+                "{} poses are held, but there are {birds} birds: give --birds {}",
+                args.hold.len(),
+                args.hold.len()
+            )));
+        }
+        let held = |bird: usize| args.hold.get(bird);
+        let motions = (0..birds as usize)
+            .map(|bird| {
+                held(bird).map_or(motion, |&[x, y, z, azimuth, elevation, roll]| {
+                    Motion::hold([x, y, z], [azimuth, elevation, roll])
+                })
+            })
+            .collect();
+        let settings = SimulatorSettings {
+            birds,
+            baud: args.baud,
+            motions,
+            faults: Faults {
+                drop_every: args.drop_every,
+                ..Faults::default()
+            },
+            ..SimulatorSettings::default()
+        };
+        let simulator = Simulator::start(settings, args.link.as_deref())?;
+        let stop = interrupt::channel()?;
+        // The path stands alone on its line, for scripts; it must not wait in a buffer.
+        let path = args.link.as_deref().unwrap_or(simulator.path());
+        println!("{}", path.display());
+        std::io::stdout().flush()?;
+        eprintln!(
+            "a Flock of {birds} birds at {} baud; Ctrl-C ends it",
+            args.baud
+        );
+        // An error means that the handler is gone, and then so is the wish to go on.
+        let _ = stop.recv();
+        simulator.stop();
+        Ok(())
+    }
+}

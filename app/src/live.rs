@@ -1,0 +1,185 @@
+//! A session in a window: live, with its devices, or replayed.
+
+use crate::session::{Session, summit};
+use crate::tape::{self, Tape};
+use crate::window::{Activity, Device, Drive, Readings, Show, Wish};
+use glam::DVec3;
+use sandtable_audio::{Control, Output, Playback};
+use sandtable_cast::PreparedScene;
+use sandtable_input::{Clock, Condition, Devices, Gamepads, Replay, map_gamepad};
+use sandtable_pose::Nanos;
+use sandtable_view::View;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Where a session's times come from.
+pub(crate) enum Timeline {
+    /// The clock, and devices that run by it.
+    Live {
+        /// Since the session's start.
+        clock: Clock,
+        /// The rig's devices.
+        devices: Devices,
+        /// Where they are recorded, if they are.
+        tape: Option<Tape>,
+    },
+    /// A recording.
+    Replayed {
+        /// What was recorded.
+        replay: Box<Replay>,
+        /// When it began to be shown.
+        begun: Instant,
+    },
+}
+
+/// A session that people see, steer and hear.
+pub(crate) struct Live {
+    session: Session,
+    timeline: Timeline,
+    gamepads: Option<Gamepads>,
+    sound: Option<(Control, Output)>,
+    summit: DVec3,
+}
+
+impl Live {
+    /// Brings `session` to life.
+    pub(crate) fn new(
+        session: Session,
+        timeline: Timeline,
+        gamepads: Option<Gamepads>,
+        mute: bool,
+    ) -> Self {
+        let sound = (!mute).then(|| Output::start(session.sound_settings()));
+        let summit = summit(session.ground());
+        Self {
+            session,
+            timeline,
+            gamepads,
+            sound,
+            summit,
+        }
+    }
+
+    /// Ends devices and recording.
+    pub(crate) fn end(self) -> Option<Tape> {
+        match self.timeline {
+            Timeline::Live { devices, tape, .. } => {
+                devices.stop();
+                tape
+            }
+            Timeline::Replayed { .. } => None,
+        }
+    }
+
+    /// Shows what a replay has come to; begins anew at its end.
+    fn recall(&mut self, now: Instant) {
+        let Timeline::Replayed { replay, begun } = &mut self.timeline else {
+            return;
+        };
+        let mut time = replay.start() + now.saturating_duration_since(*begun);
+        if time > replay.end() {
+            *begun = now;
+            time = replay.start();
+            replay.rewind();
+            self.session.hub().clear();
+        }
+        if let Err(error) = tape::recall(replay, &mut self.session, time) {
+            self.session.say(format!("{error:#}"));
+        }
+    }
+}
+
+impl Show for Live {
+    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity {
+        let mut drive = *drive;
+        if let Some(gamepads) = &mut self.gamepads {
+            if let Some(state) = gamepads.poll() {
+                let axes = map_gamepad(&state, &self.session.rig().gamepad);
+                drive.axes = drive.axes.combined(axes);
+            }
+        }
+        let mut moving = self.session.drive(&drive, step);
+        match &mut self.timeline {
+            Timeline::Live { clock, tape, .. } => {
+                let time = clock.now();
+                self.session.set_time(time);
+                moving |= !self.session.rig().devices.is_empty();
+                if let Some(tape) = tape {
+                    if let Err(error) = tape.follow(&self.session, time) {
+                        self.session.say(format!("{error:#}"));
+                    }
+                }
+            }
+            Timeline::Replayed { .. } => {
+                self.recall(now);
+                moving = true;
+            }
+        }
+        if let Some((control, _)) = &mut self.sound {
+            control.set(self.session.soundscape(self.summit));
+        }
+        // A gamepad has no event that would wake the window.
+        moving |= self.gamepads.as_ref().is_some_and(Gamepads::any);
+        if moving {
+            Activity::Moving
+        } else {
+            Activity::Still
+        }
+    }
+
+    fn views(&self, frame: [u32; 2], stereo: bool) -> Vec<View> {
+        self.session.views(frame, stereo)
+    }
+
+    fn scene(&self) -> Arc<dyn PreparedScene> {
+        Arc::clone(self.session.prepared())
+    }
+
+    fn readings(&self) -> Readings {
+        let mut readings = self.session.readings();
+        if let Timeline::Live { devices, tape, .. } = &self.timeline {
+            for state in devices.states() {
+                let (words, works) = match state.condition {
+                    Condition::Starting => ("starting".to_owned(), false),
+                    Condition::Streaming => ("streaming".to_owned(), true),
+                    Condition::Waiting(why) => (why, false),
+                };
+                readings.devices.push(Device {
+                    name: state.name,
+                    state: words,
+                    works,
+                });
+            }
+            if let Some(tape) = tape {
+                let problem = tape.recorder().problem();
+                readings.devices.push(Device {
+                    name: "recording".into(),
+                    works: problem.is_none(),
+                    state: problem.unwrap_or_else(|| "running".into()),
+                });
+            }
+        }
+        if let Some((_, output)) = &self.sound {
+            let (state, works) = match output.playback() {
+                Playback::Opening => ("opening".to_owned(), true),
+                Playback::Playing { device, .. } => (device, true),
+                Playback::Silent { note } => (note, false),
+            };
+            readings.devices.push(Device {
+                name: "sound".into(),
+                state,
+                works,
+            });
+        }
+        readings
+    }
+
+    fn apply(&mut self, wish: Wish) {
+        self.session.apply(wish);
+    }
+}
+
+/// The time of frame `frame` of a replay on the virtual clock, at `rate` frames a second.
+pub(crate) fn frame_time(start: Nanos, frame: u32, rate: u32) -> Nanos {
+    Nanos(start.0 + u64::from(frame) * 1_000_000_000 / u64::from(rate))
+}

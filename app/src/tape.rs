@@ -1,0 +1,169 @@
+//! A session's recording: its devices' bytes, and how the world lay and the camera flew meanwhile.
+
+use crate::cli::TerrainArgs;
+use crate::navigation::FlyCamera;
+use crate::session::{Session, Viewpoint};
+use anyhow::{Context, Result};
+use glam::DVec3;
+use sandtable_input::{Recorder, Replay};
+use sandtable_pose::Nanos;
+use sandtable_view::{Attitude, Placement};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+/// The topic of the terrain's name.
+const TERRAIN_TOPIC: &str = "/session/terrain";
+/// The topic of a flying camera.
+const CAMERA_TOPIC: &str = "/session/camera";
+
+/// The terrain that was flown over.
+#[derive(Debug, Serialize, Deserialize)]
+struct RecordedTerrain {
+    source: String,
+    photo: Option<String>,
+}
+
+/// Where a camera was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct RecordedCamera {
+    eye: DVec3,
+    attitude: Attitude,
+}
+
+impl From<&FlyCamera> for RecordedCamera {
+    fn from(camera: &FlyCamera) -> Self {
+        Self {
+            eye: camera.eye,
+            attitude: camera.attitude,
+        }
+    }
+}
+
+/// A recording of a session, while it runs.
+pub(crate) struct Tape {
+    recorder: Recorder,
+    placement: Option<Placement>,
+    camera: Option<RecordedCamera>,
+}
+
+impl Tape {
+    /// Begins a recording of `session` in a new file.
+    pub(crate) fn create(
+        path: &Path,
+        session: &Session,
+        terrain: &TerrainArgs,
+        start: Nanos,
+    ) -> Result<Self> {
+        let placement = session.placement();
+        let value = placement
+            .map(|placement| serde_json::to_value(placement))
+            .transpose()?;
+        let recorder = Recorder::create(path, session.rig(), value.as_ref(), start)?;
+        let recorded = RecordedTerrain {
+            source: terrain.source().to_owned(),
+            photo: terrain
+                .photo
+                .as_ref()
+                .map(|path| path.display().to_string()),
+        };
+        recorder.json(TERRAIN_TOPIC, start, serde_json::to_value(recorded)?);
+        let mut tape = Self {
+            recorder,
+            placement,
+            camera: None,
+        };
+        tape.follow(session, start)?;
+        Ok(tape)
+    }
+
+    /// What devices record to.
+    pub(crate) fn recorder(&self) -> &Recorder {
+        &self.recorder
+    }
+
+    /// Records where the session has moved to by `time`, if it has.
+    pub(crate) fn follow(&mut self, session: &Session, time: Nanos) -> Result<()> {
+        let placement = session.placement();
+        if placement != self.placement {
+            self.placement = placement;
+            if let Some(placement) = placement {
+                self.recorder
+                    .placement(time, serde_json::to_value(placement)?);
+            }
+        }
+        if let Viewpoint::Camera { camera, .. } = session.viewpoint() {
+            let camera = RecordedCamera::from(camera);
+            if self.camera != Some(camera) {
+                self.camera = Some(camera);
+                self.recorder
+                    .json(CAMERA_TOPIC, time, serde_json::to_value(camera)?);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Ends a recording and says what it holds.
+pub(crate) fn finish(tape: &Tape, path: &Path) -> Result<()> {
+    let summary = tape.recorder.finish()?;
+    if let Some(summary) = summary {
+        eprintln!(
+            "{}: {} messages, {} bytes, {} dropped",
+            path.display(),
+            summary.messages,
+            summary.bytes,
+            summary.dropped
+        );
+    }
+    Ok(())
+}
+
+/// The terrain that was recorded over, unless the command line names another.
+pub(crate) fn terrain(replay: &Replay, given: &TerrainArgs) -> Result<TerrainArgs> {
+    if given.terrain.is_some() {
+        return Ok(given.clone());
+    }
+    let Some((_, value)) = replay.values(TERRAIN_TOPIC).first() else {
+        return Ok(given.clone());
+    };
+    let recorded = RecordedTerrain::deserialize(value).context(
+        "the recording's /session/terrain cannot be understood; name the terrain yourself",
+    )?;
+    Ok(TerrainArgs {
+        terrain: Some(recorded.source),
+        photo: given
+            .photo
+            .clone()
+            .or_else(|| recorded.photo.map(Into::into)),
+    })
+}
+
+/// Puts `session` where it was at `time`: its placement or camera, head and hand.
+pub(crate) fn recall(replay: &mut Replay, session: &mut Session, time: Nanos) -> Result<()> {
+    replay.advance_to(time, session.hub());
+    if let Some(value) = newest(
+        replay.values(sandtable_input::recording::PLACEMENT_TOPIC),
+        time,
+    ) {
+        let placement = Placement::deserialize(value)
+            .context("a placement in the recording cannot be understood")?;
+        session.set_placement(placement);
+    }
+    if let Some(value) = newest(replay.values(CAMERA_TOPIC), time) {
+        let recorded = RecordedCamera::deserialize(value)
+            .context("a camera in the recording cannot be understood")?;
+        if let Viewpoint::Camera { camera, .. } = session.viewpoint_mut() {
+            camera.eye = recorded.eye;
+            camera.attitude = recorded.attitude;
+        }
+    }
+    session.set_time(time);
+    Ok(())
+}
+
+/// The newest value at or before `time`.
+fn newest(values: &[(Nanos, Value)], time: Nanos) -> Option<&Value> {
+    let later = values.partition_point(|(at, _)| *at <= time);
+    values.get(later.checked_sub(1)?).map(|(_, value)| value)
+}
