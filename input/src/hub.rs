@@ -14,7 +14,8 @@ use std::time::Duration;
 /// Poses by sensor and time. The sensors are those of the rig that it was made for.
 #[derive(Debug, Default)]
 pub struct Hub {
-    sensors: BTreeMap<SensorName, Sensor>,
+    /// Each device's sensors, number 1 first.
+    devices: BTreeMap<String, Vec<Sensor>>,
 }
 
 #[derive(Debug)]
@@ -31,35 +32,29 @@ impl Hub {
     /// A hub for all sensors of a rig, none of which has a pose yet.
     #[must_use]
     pub fn for_rig(rig: &Rig) -> Self {
-        let mut sensors = BTreeMap::new();
-        for (name, device) in &rig.devices {
+        let sensors = |device: &Device| {
             let Device::Flock(flock) = device;
             // A slow line brings records less often than a pose may be old.
             let held_after = flock.held_after.max(3 * record_period(flock));
-            for number in 1..=device.sensors() {
-                sensors.insert(
-                    SensorName {
-                        device: name.clone(),
-                        number,
-                    },
-                    Sensor {
-                        held_after,
-                        lost_after: flock.lost_after.max(held_after),
-                        history: Mutex::default(),
-                    },
-                );
-            }
+            let sensor = || Sensor {
+                held_after,
+                lost_after: flock.lost_after.max(held_after),
+                history: Mutex::default(),
+            };
+            (0..device.sensors()).map(|_| sensor()).collect()
+        };
+        Self {
+            devices: rig
+                .devices
+                .iter()
+                .map(|(name, device)| (name.clone(), sensors(device)))
+                .collect(),
         }
-        Self { sensors }
     }
 
     /// Adds a sample of a device's sensor; one of an unknown sensor is ignored.
     pub fn push(&self, device: &str, sample: Sample) {
-        let name = SensorName {
-            device: device.to_owned(),
-            number: sample.sensor,
-        };
-        if let Some(sensor) = self.sensors.get(&name) {
+        if let Some(sensor) = self.sensor(device, sample.sensor) {
             sensor.push(sample);
         }
     }
@@ -70,19 +65,29 @@ impl Hub {
     /// It is live while young, held for a while, then lost; it is never replaced by a default.
     #[must_use]
     pub fn pose_at(&self, sensor: &SensorName, time: Nanos) -> Option<Pose> {
-        self.sensors.get(sensor)?.pose_at(time)
+        self.sensor(&sensor.device, sensor.number)?.pose_at(time)
     }
 
     /// The sensors, in order.
-    pub fn sensors(&self) -> impl Iterator<Item = &SensorName> {
-        self.sensors.keys()
+    pub fn sensors(&self) -> impl Iterator<Item = SensorName> {
+        self.devices.iter().flat_map(|(device, sensors)| {
+            (1..).zip(sensors).map(|(number, _)| SensorName {
+                device: device.clone(),
+                number,
+            })
+        })
     }
 
     /// Forgets every pose, as before a recording is played anew.
     pub fn clear(&self) {
-        for sensor in self.sensors.values() {
+        for sensor in self.devices.values().flatten() {
             sensor.lock().clear();
         }
+    }
+
+    fn sensor(&self, device: &str, number: u32) -> Option<&Sensor> {
+        let index = number.checked_sub(1)? as usize;
+        self.devices.get(device)?.get(index)
     }
 }
 

@@ -7,7 +7,7 @@
 
 use sandtable_config::{Device, Rig, SensorName};
 use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
-use sandtable_input::{Clock, Condition, Devices, Hub};
+use sandtable_input::{Clock, Condition, Devices, Hub, Recorder, Replay};
 use sandtable_pose::{Nanos, Pose, Rigid, Validity};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -45,10 +45,12 @@ struct Session {
 
 impl Session {
     fn start(port: &Path) -> Self {
-        let rig = rig(port);
+        Self::start_recorded(rig(port), Clock::start(), None)
+    }
+
+    fn start_recorded(rig: Rig, clock: Clock, recorder: Option<&Recorder>) -> Self {
         let hub = Arc::new(Hub::for_rig(&rig));
-        let clock = Clock::start();
-        let devices = Devices::start(&rig, &hub, clock, None).unwrap();
+        let devices = Devices::start(&rig, &hub, clock, recorder).unwrap();
         Self {
             hub,
             clock,
@@ -80,18 +82,21 @@ impl Session {
 
     /// Every pose that the sensor had since `from`.
     fn poses_since(&self, number: u32, from: Nanos) -> Vec<Pose> {
-        let mut poses = Vec::new();
-        let mut time = self.now();
-        while let Some(pose) = self.hub.pose_at(&sensor(number), time) {
-            if pose.time <= from {
-                break;
-            }
-            time = pose.time - Duration::from_nanos(1);
-            poses.push(pose);
-        }
-        poses.reverse();
+        let mut poses = all_poses(&self.hub, number, self.now());
+        poses.retain(|pose| pose.time > from);
         poses
     }
+}
+
+/// Every pose that a sensor has until `time`, the oldest first.
+fn all_poses(hub: &Hub, number: u32, mut time: Nanos) -> Vec<Pose> {
+    let mut poses = Vec::new();
+    while let Some(pose) = hub.pose_at(&sensor(number), time) {
+        time = pose.time - Duration::from_nanos(1);
+        poses.push(pose);
+    }
+    poses.reverse();
+    poses
 }
 
 fn sensor(number: u32) -> SensorName {
@@ -244,6 +249,27 @@ fn a_second_of_silence_is_held_then_lost_then_live_again() {
 }
 
 #[test]
+fn two_seconds_of_silence_start_the_device_anew() {
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            faults: Faults {
+                stalls: vec![(Duration::from_millis(200), Duration::from_millis(2300))],
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    let problem = wait_for("the silence's error", || session.problem());
+    assert!(problem.contains("silent for 2 s"), "{problem}");
+    wait_until_live(&session);
+    assert_eq!(session.problem(), None);
+}
+
+#[test]
 fn a_missing_port_says_so_and_what_helps() {
     let session = Session::start(Path::new("/dev/ttyMISSING7"));
     let problem = wait_for("the error", || session.problem());
@@ -310,6 +336,47 @@ fn a_silent_line_is_told_apart_from_a_missing_one() {
     let problem = wait_for("the error", || session.problem());
     assert!(problem.contains("does not answer (0 of 14"), "{problem}");
     assert!(problem.contains("115200 baud"), "{problem}");
+}
+
+#[test]
+fn a_recorded_session_replays_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("session.mcap");
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            motions: vec![Motion::named("circle").unwrap()],
+            faults: Faults {
+                drop_every: Some(50),
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let rig = rig(simulator.path());
+    let clock = Clock::start();
+    let recorder = Recorder::create(&file, &rig, None, clock.now()).unwrap();
+    let session = Session::start_recorded(rig, clock, Some(&recorder));
+    wait_for("two hundred samples", || {
+        let counts = session.devices.states().remove(0).counts;
+        (counts.samples >= 200).then_some(())
+    });
+    let Session { hub, devices, .. } = session;
+    devices.stop();
+    recorder.finish().unwrap();
+    let mut replay = Replay::open(&file).unwrap();
+    let replayed = Hub::for_rig(replay.rig());
+    let mut time = replay.start();
+    while !replay.is_over() {
+        replay.advance_to(time, &replayed);
+        time = time + Duration::from_nanos(16_666_667);
+    }
+    for number in 1..=2 {
+        let live = all_poses(&hub, number, time);
+        assert!(live.len() > 80);
+        assert_eq!(all_poses(&replayed, number, time), live);
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ use sandtable_input::recording::{DeviceEvent, RecordError, ReplayError};
 use sandtable_input::{Hub, Recorder, Replay};
 use sandtable_pose::{Nanos, Pose};
 use serde_json::{Value, json};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -74,7 +75,8 @@ fn poses(hub: &Hub, number: u32) -> Vec<Pose> {
     let mut time = Nanos(u64::MAX);
     while let Some(pose) = hub.pose_at(&sensor, time) {
         time = pose.time - Duration::from_nanos(1);
-        poses.push(pose);
+        // As it was when it was young.
+        poses.extend(hub.pose_at(&sensor, pose.time));
     }
     poses.reverse();
     poses
@@ -233,15 +235,16 @@ fn a_recording_is_readable_while_it_is_being_written() {
 #[test]
 fn a_recording_cut_at_any_byte_replays_up_to_there() {
     let folder = tempfile::tempdir().unwrap();
-    let path = file(&folder, "a.mcap");
-    record(&path, &reads(&Rig::builtin("workbench").unwrap(), 25));
+    let path = file(&folder, "cut.mcap");
+    // More than one chunk of it.
+    record(&path, &reads(&Rig::builtin("workbench").unwrap(), 150));
     let (whole, _) = replayed(&path).unwrap();
-    let bytes = std::fs::read(&path).unwrap();
-    let cut_path = file(&folder, "cut.mcap");
-    let mut most = 0;
-    for length in 0..bytes.len() {
-        std::fs::write(&cut_path, &bytes[..length]).unwrap();
-        match replayed(&cut_path) {
+    let cutting = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+    let length = cutting.metadata().unwrap().len();
+    let mut counts = std::collections::BTreeSet::new();
+    for length in (0..length).rev().step_by(5) {
+        cutting.set_len(length).unwrap();
+        let count = match replayed(&path) {
             Ok((poses, cut)) => {
                 assert!(
                     poses.iter().all(|pose| whole.contains(pose)),
@@ -252,32 +255,40 @@ fn a_recording_cut_at_any_byte_replays_up_to_there() {
                     cut.is_some() || poses.len() == whole.len(),
                     "cut at {length}"
                 );
-                assert!(poses.len() >= most);
-                most = poses.len();
+                poses.len()
             }
             Err(error) => {
-                assert_eq!(most, 0, "cut at {length}: {error}");
                 assert!(error.to_string().contains("cut.mcap"), "{error}");
+                0
             }
-        }
+        };
+        // The more is cut off, the less is left.
+        assert!(
+            counts.first().is_none_or(|&least| count <= least),
+            "cut at {length}"
+        );
+        counts.insert(count);
     }
-    assert_eq!(most, whole.len());
+    assert!(counts.contains(&0) && counts.contains(&whole.len()));
+    assert!(counts.len() > 2, "{counts:?}");
 }
 
 #[test]
 fn a_turned_bit_never_gives_another_pose() {
     let folder = tempfile::tempdir().unwrap();
-    let path = file(&folder, "a.mcap");
+    let path = file(&folder, "bad.mcap");
     record(&path, &reads(&Rig::builtin("workbench").unwrap(), 12));
     let (whole, _) = replayed(&path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
-    let bad_path = file(&folder, "bad.mcap");
+    let mut file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+    let mut write = |at: usize, byte: u8| {
+        file.seek(SeekFrom::Start(at as u64)).unwrap();
+        file.write_all(&[byte]).unwrap();
+    };
     let mut damaged = 0;
-    for at in 0..bytes.len() {
-        let mut bad = bytes.clone();
-        bad[at] ^= 1 << (at % 8);
-        std::fs::write(&bad_path, &bad).unwrap();
-        match replayed(&bad_path) {
+    for (at, &byte) in bytes.iter().enumerate() {
+        write(at, byte ^ (1 << (at % 8)));
+        match replayed(&path) {
             Ok((poses, None)) => assert_eq!(poses, whole, "byte {at}"),
             Ok((poses, Some(_))) => {
                 damaged += 1;
@@ -288,6 +299,7 @@ fn a_turned_bit_never_gives_another_pose() {
                 assert!(error.to_string().contains("bad.mcap"), "byte {at}: {error}");
             }
         }
+        write(at, byte);
     }
     assert!(damaged > 0);
 }

@@ -4,6 +4,7 @@
 //! the running numbers of the messages show a chunk that is missing.
 
 use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -76,6 +77,8 @@ pub(crate) struct Messages {
 
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
 const OP_FOOTER: u8 = 0x02;
+const OP_CHANNEL: u8 = 0x04;
+const OP_MESSAGE: u8 = 0x05;
 const OP_CHUNK: u8 = 0x06;
 const OP_DATA_END: u8 = 0x0F;
 
@@ -137,9 +140,12 @@ pub(crate) fn read_messages(
             if size > CHUNK_LIMIT {
                 break Some(format!("the chunk at byte {at} claims {size} bytes"));
             }
-            let mut body = vec![0; size as usize];
-            input.read_exact(&mut body).map_err(unreadable)?;
-            if let Err(problem) = reading.chunk(&body, &wanted) {
+            let mut chunk = head.to_vec();
+            chunk.resize(head.len() + size as usize, 0);
+            input
+                .read_exact(&mut chunk[head.len()..])
+                .map_err(unreadable)?;
+            if let Err(problem) = reading.chunk(&chunk, &wanted) {
                 break Some(format!("the chunk at byte {at} is damaged: {problem}"));
             }
         } else {
@@ -163,17 +169,8 @@ struct Reading {
 
 impl Reading {
     /// Takes the messages of a chunk, all or none.
-    fn chunk(&mut self, body: &[u8], wanted: impl Fn(&str) -> bool) -> Result<(), String> {
-        let record = mcap::parse_record(OP_CHUNK, body).map_err(|error| error.to_string())?;
-        let Record::Chunk { header, data } = record else {
-            return Err("it is none".into());
-        };
-        if header.uncompressed_size > CHUNK_LIMIT {
-            return Err(format!("it claims {} bytes", header.uncompressed_size));
-        }
-        let records = mcap::read::ChunkReader::new(header, &data)
-            .and_then(Iterator::collect::<mcap::McapResult<Vec<_>>>)
-            .map_err(|error| error.to_string())?;
+    fn chunk(&mut self, chunk: &[u8], wanted: impl Fn(&str) -> bool) -> Result<(), String> {
+        let records = whole_chunk(chunk).map_err(|error| error.to_string())?;
         let mut next_number = self.next_number;
         for record in &records {
             if let Record::Message { header, .. } = record {
@@ -209,4 +206,31 @@ impl Reading {
         }
         Ok(())
     }
+}
+
+/// The records within a chunk's own record, none of them given before the sum of all was checked.
+fn whole_chunk(mut chunk: &[u8]) -> mcap::McapResult<Vec<Record<'static>>> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(CHUNK_LIMIT as usize);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut records = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(need) => {
+                let (given, rest) = chunk.split_at(need.min(chunk.len()));
+                reader.insert(given.len()).copy_from_slice(given);
+                reader.notify_read(given.len());
+                chunk = rest;
+            }
+            LinearReadEvent::Record { data, opcode } => {
+                if matches!(opcode, OP_CHANNEL | OP_MESSAGE) {
+                    records.push(mcap::parse_record(opcode, data)?.into_owned());
+                }
+            }
+        }
+    }
+    Ok(records)
 }

@@ -1,7 +1,7 @@
 //! Replay: a recording's bytes through the live decoders, on a virtual clock.
 
 use super::reader::{RecordedMessage, ReplayError, read_messages};
-use super::{DeviceEvent, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage};
+use super::{DeviceEvent, GAPS_TOPIC, GapMessage, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage};
 use crate::Hub;
 use crate::flock::FlockStream;
 use sandtable_config::{Device, Rig};
@@ -21,6 +21,7 @@ pub struct Replay {
     values: BTreeMap<String, Vec<(Nanos, Value)>>,
     start: Nanos,
     end: Nanos,
+    dropped: u64,
     cut: Option<String>,
 }
 
@@ -54,7 +55,7 @@ impl Replay {
         let mut rig = None;
         let mut entries = Vec::new();
         let mut values: BTreeMap<String, Vec<(Nanos, Value)>> = BTreeMap::new();
-        let (mut start, mut end) = (None, Nanos(0));
+        let (mut start, mut end, mut dropped) = (None, Nanos(0), 0u64);
         for message in read.messages {
             let time = Nanos(message.time);
             start.get_or_insert(time);
@@ -78,6 +79,10 @@ impl Replay {
                 let found: RigMessage = serde_json::from_slice(&message.data)
                     .map_err(|error| bad(&message, error.to_string()))?;
                 rig.get_or_insert(found);
+            } else if message.topic == GAPS_TOPIC {
+                let gap: GapMessage = serde_json::from_slice(&message.data)
+                    .map_err(|error| bad(&message, error.to_string()))?;
+                dropped = dropped.saturating_add(gap.dropped);
             } else {
                 let value = serde_json::from_slice(&message.data)
                     .map_err(|error| bad(&message, error.to_string()))?;
@@ -105,6 +110,7 @@ impl Replay {
             values,
             start: start.unwrap_or_default(),
             end,
+            dropped,
             cut: read.cut,
         })
     }
@@ -137,6 +143,12 @@ impl Replay {
     #[must_use]
     pub fn end(&self) -> Nanos {
         self.end
+    }
+
+    /// How many messages its recorder had to drop, so that they are not in it.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.dropped
     }
 
     /// Where and why it breaks off, if it does.

@@ -186,7 +186,14 @@ impl SimulatedFlock {
 
     fn next_cycle(&self) -> Option<(Duration, Duration)> {
         let stream = self.stream.as_ref()?;
-        let cycle = Duration::from_secs_f64(1.0 / self.settings.cycle_rate.clamp(1.0, 1000.0));
+        let rate = self.settings.cycle_rate;
+        // No number at all counts as the least.
+        let rate = if rate.is_nan() {
+            1.0
+        } else {
+            rate.clamp(1.0, 1000.0)
+        };
+        let cycle = Duration::from_secs_f64(1.0 / rate);
         Some((stream.began, stream.began + cycle * stream.next))
     }
 
@@ -197,7 +204,7 @@ impl SimulatedFlock {
         };
         let cycle = stream.next;
         stream.next = stream.next.saturating_add(stream.every);
-        let time = due - self.epoch.unwrap_or(began);
+        let time = due.saturating_sub(self.epoch.unwrap_or(began));
         // A line that is still busy with the last cycle gets the next one.
         if !self.line.is_empty() || self.settings.faults.stalled(time) {
             return;
@@ -283,7 +290,9 @@ impl SimulatedFlock {
     /// Ends the stream, or gives one record of each bird.
     fn point(&mut self, now: Duration) {
         if self.stream.take().is_none() {
-            let time = self.epoch.map_or(Duration::ZERO, |epoch| now - epoch);
+            let time = self
+                .epoch
+                .map_or(Duration::ZERO, |epoch| now.saturating_sub(epoch));
             let records = self.records(time, 0);
             self.queue(&records, now);
         }

@@ -23,7 +23,7 @@ pub struct SimulatorSettings {
     pub birds: u32,
     /// Bits a second: the stream is no faster than this line would carry it.
     pub baud: u32,
-    /// Measuring cycles a second.
+    /// Measuring cycles a second, 1 to 1000.
     pub cycle_rate: f64,
     /// How each bird moves, bird 1 first; where there are fewer, the last one serves the rest.
     pub motions: Vec<Motion>,

@@ -83,7 +83,7 @@ impl Motion {
                 after,
                 during,
             } => {
-                let share = ((seconds - after) / during).clamp(0.0, 1.0);
+                let share = ((seconds - after) / during.max(1e-9)).clamp(0.0, 1.0);
                 place(DVec3::new(0.0, distance * share, 0.0))
             }
         }
