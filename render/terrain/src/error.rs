@@ -201,14 +201,33 @@ pub enum TerrainError {
 
 impl TerrainError {
     pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.to_owned(), source }
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
     }
 
-    pub(crate) fn damaged(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Damaged { path: path.to_owned(), place: place.into(), problem: problem.into() }
+    pub(crate) fn damaged(
+        path: &Path,
+        place: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> Self {
+        Self::Damaged {
+            path: path.to_owned(),
+            place: place.into(),
+            problem: problem.into(),
+        }
     }
 
-    pub(crate) fn unsupported(path: &Path, feature: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Unsupported { path: path.to_owned(), feature: feature.into(), remedy: remedy.into() }
+    pub(crate) fn unsupported(
+        path: &Path,
+        feature: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Unsupported {
+            path: path.to_owned(),
+            feature: feature.into(),
+            remedy: remedy.into(),
+        }
     }
 }

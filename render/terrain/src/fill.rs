@@ -68,7 +68,9 @@ pub(crate) fn fill_holes(heights: &mut TiledRaster<f32>, holes: &Holes) {
     while let Some(mut level) = levels.pop() {
         if let Some(coarser) = &coarser {
             let [cols, rows] = level.size;
-            if let Some(holes) = Holes::collect(cols, rows, |col, row| level.post(col, row).is_nan()) {
+            if let Some(holes) =
+                Holes::collect(cols, rows, |col, row| level.post(col, row).is_nan())
+            {
                 settle(&mut level, coarser, &holes, COARSE_SWEEPS);
             }
         }
@@ -84,14 +86,19 @@ fn halved(fine: &(impl Membrane + Sync)) -> Level {
     let [fine_cols, fine_rows] = fine.size();
     let size = [fine_cols.div_ceil(2), fine_rows.div_ceil(2)];
     let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
-    values.par_chunks_mut(size[0] as usize).enumerate().for_each(|(row, values)| {
-        let rows = 2 * row as u32..fine_rows.min(2 * row as u32 + 2);
-        for (col, value) in values.iter_mut().enumerate() {
-            let cols = 2 * col as u32..fine_cols.min(2 * col as u32 + 2);
-            let four = rows.clone().flat_map(|row| cols.clone().map(move |col| (col, row)));
-            *value = mean(four.map(|(col, row)| fine.post(col, row)));
-        }
-    });
+    values
+        .par_chunks_mut(size[0] as usize)
+        .enumerate()
+        .for_each(|(row, values)| {
+            let rows = 2 * row as u32..fine_rows.min(2 * row as u32 + 2);
+            for (col, value) in values.iter_mut().enumerate() {
+                let cols = 2 * col as u32..fine_cols.min(2 * col as u32 + 2);
+                let four = rows
+                    .clone()
+                    .flat_map(|row| cols.clone().map(move |col| (col, row)));
+                *value = mean(four.map(|(col, row)| fine.post(col, row)));
+            }
+        });
     Level { size, values }
 }
 
@@ -106,7 +113,11 @@ fn settle(level: &mut impl Membrane, coarser: &Level, holes: &Holes, sweeps: usi
     for sweep in 0..sweeps {
         for step in 0..rows {
             // Every other sweep runs the other way, so that the rim's pull reaches both ways.
-            let row = if sweep % 2 == 0 { step } else { rows - 1 - step };
+            let row = if sweep % 2 == 0 {
+                step
+            } else {
+                rows - 1 - step
+            };
             for col in holes.in_row(row) {
                 let neighbours = [
                     (col > 0).then(|| (col - 1, row)),
@@ -127,15 +138,25 @@ fn settle(level: &mut impl Membrane, coarser: &Level, holes: &Holes, sweeps: usi
 fn interpolated(coarser: &Level, col: u32, row: u32) -> f32 {
     let along = |at: u32, size: u32| {
         let own = at / 2;
-        let other = if at.is_multiple_of(2) { own.saturating_sub(1) } else { (own + 1).min(size - 1) };
+        let other = if at.is_multiple_of(2) {
+            own.saturating_sub(1)
+        } else {
+            (own + 1).min(size - 1)
+        };
         [own, other]
     };
     let [own_col, other_col] = along(col, coarser.size[0]);
     let [own_row, other_row] = along(row, coarser.size[1]);
     let blend = |own: f32, other: f32| own + 0.25 * (other - own);
     blend(
-        blend(coarser.post(own_col, own_row), coarser.post(other_col, own_row)),
-        blend(coarser.post(own_col, other_row), coarser.post(other_col, other_row)),
+        blend(
+            coarser.post(own_col, own_row),
+            coarser.post(other_col, own_row),
+        ),
+        blend(
+            coarser.post(own_col, other_row),
+            coarser.post(other_col, other_row),
+        ),
     )
 }
 
@@ -148,7 +169,11 @@ fn mean(values: impl Iterator<Item = f32>) -> f32 {
         count += 1.0;
         (low, high) = (low.min(value), high.max(value));
     }
-    if count == 0.0 { f32::NAN } else { (sum / count).clamp(low, high) }
+    if count == 0.0 {
+        f32::NAN
+    } else {
+        (sum / count).clamp(low, high)
+    }
 }
 
 #[cfg(test)]
@@ -163,7 +188,11 @@ mod tests {
         hole: impl Fn(u32, u32) -> bool + Sync,
     ) -> (TiledRaster<f32>, Holes) {
         let mut raster = TiledRaster::from_fn(cols, rows, |col, row| {
-            if hole(col, row) { f32::NAN } else { height(col, row) }
+            if hole(col, row) {
+                f32::NAN
+            } else {
+                height(col, row)
+            }
         });
         let holes = Holes::collect(cols, rows, hole).unwrap();
         fill_holes(&mut raster, &holes);
@@ -178,7 +207,10 @@ mod tests {
         for row in 0..500 {
             for col in 0..520 {
                 let off = raster.post(col, row) - plane(col, row);
-                assert!(off.abs() < if disc(col, row) { 0.8 } else { 1e-6 }, "{off} at {col}, {row}");
+                assert!(
+                    off.abs() < if disc(col, row) { 0.8 } else { 1e-6 },
+                    "{off} at {col}, {row}"
+                );
             }
         }
     }
@@ -190,14 +222,19 @@ mod tests {
         };
         // A slanted rim along two sides, as a quadrangle turned against its grid has, and a void.
         let hole = |col: u32, row: u32| {
-            col + row / 4 < 60 || row + col / 5 > 340 || (col as i32 - 150).abs() + (row as i32 - 150).abs() < 45
+            col + row / 4 < 60
+                || row + col / 5 > 340
+                || (col as i32 - 150).abs() + (row as i32 - 150).abs() < 45
         };
         let (raster, holes) = filled(300, 320, hills, hole);
         let mut steepest = 0.0_f32;
         for row in 0..320 {
             for col in 0..300 {
                 let height = raster.post(col, row);
-                assert!((360.0..=640.0).contains(&height), "{height} at {col}, {row}");
+                assert!(
+                    (360.0..=640.0).contains(&height),
+                    "{height} at {col}, {row}"
+                );
                 if col > 0 && (holes.contains(col, row) || holes.contains(col - 1, row)) {
                     steepest = steepest.max((height - raster.post(col - 1, row)).abs());
                 }
@@ -210,11 +247,17 @@ mod tests {
     #[test]
     fn any_number_of_threads_fills_alike() {
         let run = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| {
-                filled(700, 300, |col, row| ((col * 31 + row * 17) % 97) as f32, |col, row| {
-                    (col / 60 + row / 50) % 3 == 0
-                })
+                filled(
+                    700,
+                    300,
+                    |col, row| ((col * 31 + row * 17) % 97) as f32,
+                    |col, row| (col / 60 + row / 50) % 3 == 0,
+                )
                 .0
             })
         };

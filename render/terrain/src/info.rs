@@ -144,12 +144,15 @@ fn describe(
     statistics: &[Statistics],
     samples: Vec<Sample>,
 ) -> FileInfo {
-    let extent = header.extent(path).ok().map(|[minx, miny, maxx, maxy]| Extent {
-        minx,
-        miny,
-        maxx,
-        maxy,
-    });
+    let extent = header
+        .extent(path)
+        .ok()
+        .map(|[minx, miny, maxx, maxy]| Extent {
+            minx,
+            miny,
+            maxx,
+            maxy,
+        });
     let band_info = header
         .bands
         .iter()
@@ -243,7 +246,8 @@ fn read_all(
         let rows = first..header.height.min(first + at_once);
         raster.read_rows(rows.clone(), BandChoice::All, &mut values)?;
         for pixel in values.chunks_exact(depth) {
-            for ((&value, band), statistics) in pixel.iter().zip(&header.bands).zip(&mut statistics) {
+            for ((&value, band), statistics) in pixel.iter().zip(&header.bands).zip(&mut statistics)
+            {
                 if header.sample.is_nodata(value, band.nodata) {
                     statistics.invalid += 1;
                 } else {

@@ -52,7 +52,11 @@ pub fn open_with_progress(
 }
 
 fn open_file(path: &Path, progress: &dyn Fn(f32)) -> Result<Terrain, TerrainError> {
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
     terrain_from_raster(path, name, open_raster(path)?.as_mut(), progress)
 }
 
@@ -78,18 +82,26 @@ pub(crate) fn terrain_from_raster(
         notes.push("the file names no CRS; its coordinates are taken for metres".into());
     }
     if header.bands.len() > 1 {
-        notes.push(format!("heights are read from the first of {} bands", header.bands.len()));
+        notes.push(format!(
+            "heights are read from the first of {} bands",
+            header.bands.len()
+        ));
     }
     let scaling = Scaling::of(path, &header, &mut notes)?;
     let (mut heights, holes) = read_heights(raster, &header, &scaling, progress)?;
     let cells = u64::from(header.width) * u64::from(header.height);
     if holes == cells {
-        return Err(TerrainError::AllNodata { path: path.to_owned(), cells });
+        return Err(TerrainError::AllNodata {
+            path: path.to_owned(),
+            cells,
+        });
     }
     let holes = if holes == 0 {
         None
     } else {
-        notes.push(format!("{holes} posts without a height were filled in smoothly"));
+        notes.push(format!(
+            "{holes} posts without a height were filled in smoothly"
+        ));
         let holes = Holes::collect(header.width, header.height, |col, row| {
             heights.post(col, row).is_nan()
         });
@@ -99,9 +111,17 @@ pub(crate) fn terrain_from_raster(
         holes
     };
     let ground = Ground::new(heights, georeference.spacing())
-        .map_err(|source| TerrainError::Ground { name: name.clone(), source })?
+        .map_err(|source| TerrainError::Ground {
+            name: name.clone(),
+            source,
+        })?
         .with_holes(holes);
-    Ok(Terrain { name, ground, georeference, notes })
+    Ok(Terrain {
+        name,
+        ground,
+        georeference,
+        notes,
+    })
 }
 
 /// From stored values to metres: stored · scale + offset.
@@ -126,9 +146,14 @@ impl Scaling {
         }
         let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
         if (scale, offset) != (1.0, 0.0) {
-            notes.push(format!("stored values are multiplied by {scale}, then {offset} is added"));
+            notes.push(format!(
+                "stored values are multiplied by {scale}, then {offset} is added"
+            ));
         }
-        Ok(Self { scale: scale * metres, offset: offset * metres })
+        Ok(Self {
+            scale: scale * metres,
+            offset: offset * metres,
+        })
     }
 }
 
@@ -157,22 +182,23 @@ fn read_heights(
     let width = header.width as usize;
     let mut stored = Vec::new();
     let mut holes = 0;
-    let heights = TiledRaster::try_from_northern_rows(header.width, header.height, |first, into| {
-        let mut row = first;
-        for chunk in into.chunks_mut(at_once as usize * width) {
-            let rows = (chunk.len() / width) as u32;
-            raster.read_rows(row..row + rows, BandChoice::First, &mut stored)?;
-            for (height, &value) in chunk.iter_mut().zip(&stored) {
-                *height = (value * scaling.scale + scaling.offset) as f32;
-                if header.sample.is_nodata(value, nodata) || !height.is_finite() {
-                    *height = f32::NAN;
-                    holes += 1;
+    let heights =
+        TiledRaster::try_from_northern_rows(header.width, header.height, |first, into| {
+            let mut row = first;
+            for chunk in into.chunks_mut(at_once as usize * width) {
+                let rows = (chunk.len() / width) as u32;
+                raster.read_rows(row..row + rows, BandChoice::First, &mut stored)?;
+                for (height, &value) in chunk.iter_mut().zip(&stored) {
+                    *height = (value * scaling.scale + scaling.offset) as f32;
+                    if header.sample.is_nodata(value, nodata) || !height.is_finite() {
+                        *height = f32::NAN;
+                        holes += 1;
+                    }
                 }
+                row += rows;
+                progress(row as f32 / header.height as f32);
             }
-            row += rows;
-            progress(row as f32 / header.height as f32);
-        }
-        Ok::<(), TerrainError>(())
-    })?;
+            Ok::<(), TerrainError>(())
+        })?;
     Ok((heights, holes))
 }

@@ -66,14 +66,20 @@ pub(crate) fn read_photo(
     }
     let edges = edges(path, &place, terrain, grid, [cols, rows], &mut notes)?;
     compare_crs(path, place.crs.as_ref(), terrain, edges, grid, &mut notes)?;
-    let pixels = TiledRaster::try_from_northern_rows(cols, rows, |first, into| {
-        file.read_rows(first, into)
-    })?;
+    let pixels =
+        TiledRaster::try_from_northern_rows(cols, rows, |first, into| file.read_rows(first, into))?;
     let [west, south, east, north] = edges;
     let south_west = terrain.world_from_crs(DVec2::new(west, south));
     let extent = terrain.world_from_crs(DVec2::new(east, north)) - south_west;
     let spacing = extent / DVec2::new(cols.into(), rows.into());
-    Ok((Photo { pixels, origin: south_west + spacing / 2.0, spacing }, notes))
+    Ok((
+        Photo {
+            pixels,
+            origin: south_west + spacing / 2.0,
+            spacing,
+        },
+        notes,
+    ))
 }
 
 /// West, south, east and north edges of the photograph in the terrain's coordinates.
@@ -91,7 +97,8 @@ fn edges(
     let ground = [south_west.x, south_west.y, north_east.x, north_east.y];
     let Some(transform) = place.transform else {
         notes.push(
-            "the photograph does not say where it lies; it is stretched over the whole terrain".into(),
+            "the photograph does not say where it lies; it is stretched over the whole terrain"
+                .into(),
         );
         return Ok(ground);
     };
@@ -99,7 +106,10 @@ fn edges(
     let (east, south) = (west + dx * f64::from(cols), north + dy * f64::from(rows));
     let upright = dx > 0.0 && dy < 0.0 && skew_x == 0.0 && skew_y == 0.0;
     if !upright || !(east > west && north > south && (east - west + north - south).is_finite()) {
-        return Err(TerrainError::Rotated { path: path.to_owned(), transform });
+        return Err(TerrainError::Rotated {
+            path: path.to_owned(),
+            transform,
+        });
     }
     let photo = [west, south, east, north];
     let apart = east <= ground[0] || west >= ground[2] || north <= ground[1] || south >= ground[3];
@@ -109,7 +119,11 @@ fn edges(
         _ => true,
     };
     if apart && comparable {
-        return Err(TerrainError::PhotoElsewhere { path: path.to_owned(), photo, terrain: ground });
+        return Err(TerrainError::PhotoElsewhere {
+            path: path.to_owned(),
+            photo,
+            terrain: ground,
+        });
     }
     Ok(photo)
 }
@@ -126,22 +140,34 @@ fn compare_crs(
     let (Some(photo), Some(ground)) = (photo, terrain.crs.as_ref()) else {
         match (photo, &terrain.crs) {
             (None, Some(ground)) => {
-                notes.push(format!("the photograph names no CRS; the terrain's is assumed: {ground}"));
+                notes.push(format!(
+                    "the photograph names no CRS; the terrain's is assumed: {ground}"
+                ));
             }
             (Some(photo), None) => {
-                notes.push(format!("the terrain names no CRS; the photograph's is {photo}"));
+                notes.push(format!(
+                    "the terrain names no CRS; the photograph's is {photo}"
+                ));
             }
             _ => {}
         }
         return Ok(());
     };
     let (x, y) = ((west + east) / 2.0, (south + north) / 2.0);
-    let places = [[west, south], [east, south], [west, north], [east, north], [x, y]];
+    let places = [
+        [west, south],
+        [east, south],
+        [west, north],
+        [east, north],
+        [x, y],
+    ];
     let cell = grid.cell_length();
     let difference = match photo.relation_to(ground, &places) {
         CrsRelation::Same => return Ok(()),
         CrsRelation::NameOnly => {
-            notes.push(format!("the photograph's CRS {photo} differs from the terrain's {ground} in name only"));
+            notes.push(format!(
+                "the photograph's CRS {photo} differs from the terrain's {ground} in name only"
+            ));
             return Ok(());
         }
         CrsRelation::Shifted(metres) if metres < cell => {

@@ -106,7 +106,9 @@ fn ridges<'a>(
                     .ok()
                     .filter(|size| (2..=MAX_RIDGES_SIZE).contains(size))
                     .ok_or_else(|| {
-                        bad(format!("a whole number of posts from 2 to {MAX_RIDGES_SIZE}"))
+                        bad(format!(
+                            "a whole number of posts from 2 to {MAX_RIDGES_SIZE}"
+                        ))
                     })?;
             }
             "seed" => {
@@ -151,7 +153,10 @@ mod tests {
         }
         assert_eq!(
             "builtin:ridges".parse(),
-            Ok(TerrainSource::Ridges { size: 1025, seed: 0 })
+            Ok(TerrainSource::Ridges {
+                size: 1025,
+                seed: 0
+            })
         );
     }
 

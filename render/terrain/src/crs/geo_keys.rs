@@ -51,12 +51,19 @@ fn code(keys: &GeoKeyDirectory, key: u16) -> Option<u16> {
 }
 
 fn number(keys: &GeoKeyDirectory, key: u16) -> Option<f64> {
-    keys.get_double(key)?.first().copied().filter(|value| value.is_finite())
+    keys.get_double(key)?
+        .first()
+        .copied()
+        .filter(|value| value.is_finite())
 }
 
 /// A citation without padding, or `None` where it says nothing.
 fn citation(keys: &GeoKeyDirectory, key: u16) -> Option<String> {
-    let text = keys.get_ascii(key)?.split('|').next()?.trim_matches(['\0', ' ', '\n']);
+    let text = keys
+        .get_ascii(key)?
+        .split('|')
+        .next()?
+        .trim_matches(['\0', ' ', '\n']);
     let text = text.strip_prefix("GCS Name = ").unwrap_or(text);
     (!text.is_empty() && !text.eq_ignore_ascii_case("unknown")).then(|| text.to_owned())
 }
@@ -72,7 +79,9 @@ fn geographic_crs(keys: &GeoKeyDirectory, code: Option<u16>) -> Result<Crs, Stri
     // 9102 is the degree.
     let unit = keys.get_short(geokeys::GEOG_ANGULAR_UNITS).unwrap_or(9102);
     if unit != 9102 {
-        return Err(format!("has coordinates in an angular unit other than the degree (EPSG:{unit})"));
+        return Err(format!(
+            "has coordinates in an angular unit other than the degree (EPSG:{unit})"
+        ));
     }
     let epsg = code.filter(|&code| code != USER_DEFINED).map(u32::from);
     if let Some(crs) = epsg.and_then(Crs::from_epsg).filter(Crs::is_geographic) {
@@ -82,17 +91,28 @@ fn geographic_crs(keys: &GeoKeyDirectory, code: Option<u16>) -> Result<Crs, Stri
     let name = citation(keys, geokeys::GEODETIC_CITATION)
         .or_else(|| citation(keys, geokeys::GT_CITATION))
         .unwrap_or_else(|| datum.name.clone());
-    Ok(Crs { name, epsg, datum, projection: None })
+    Ok(Crs {
+        name,
+        epsg,
+        datum,
+        projection: None,
+    })
 }
 
 fn projected_crs(keys: &GeoKeyDirectory, code: Option<u16>) -> Result<Crs, String> {
     let epsg = code.filter(|&code| code != USER_DEFINED).map(u32::from);
-    if let Some(crs) = epsg.and_then(Crs::from_epsg).filter(|crs| !crs.is_geographic()) {
+    if let Some(crs) = epsg
+        .and_then(Crs::from_epsg)
+        .filter(|crs| !crs.is_geographic())
+    {
         let metres_per_unit = unit(keys)?;
         return Ok(match (crs.projection.clone(), metres_per_unit) {
             // The file's own unit counts, should it contradict the code's.
             (Some(projection), Some(metres_per_unit)) => Crs {
-                projection: Some(Projection { metres_per_unit, ..projection }),
+                projection: Some(Projection {
+                    metres_per_unit,
+                    ..projection
+                }),
                 ..crs
             },
             _ => crs,
@@ -102,7 +122,12 @@ fn projected_crs(keys: &GeoKeyDirectory, code: Option<u16>) -> Result<Crs, Strin
     let name = citation(keys, geokeys::GT_CITATION)
         .or_else(|| citation(keys, geokeys::PROJ_CITATION))
         .unwrap_or_else(|| "unnamed".to_owned());
-    Ok(Crs { name, epsg, datum: datum(keys)?, projection: Some(projection) })
+    Ok(Crs {
+        name,
+        epsg,
+        datum: datum(keys)?,
+        projection: Some(projection),
+    })
 }
 
 fn unit(keys: &GeoKeyDirectory) -> Result<Option<f64>, String> {
@@ -116,7 +141,9 @@ fn unit(keys: &GeoKeyDirectory) -> Result<Option<f64>, String> {
             .filter(|&size| size > 1e-6 && size < 1e6)
             .map(Some)
             .ok_or_else(|| "has coordinates in a unit of length of its own without a size".into()),
-        Some(other) => Err(format!("has coordinates in the unit of length EPSG:{other}")),
+        Some(other) => Err(format!(
+            "has coordinates in the unit of length EPSG:{other}"
+        )),
     }
 }
 
@@ -169,10 +196,22 @@ fn datum(keys: &GeoKeyDirectory) -> Result<Datum, String> {
     }
     let (axis, flattening) = ellipsoid(keys)?;
     let shift = keys.get_double(GEOG_TO_WGS84).map(|values| {
-        std::array::from_fn(|index| values.get(index).copied().filter(|v| v.is_finite()).unwrap_or(0.0))
+        std::array::from_fn(|index| {
+            values
+                .get(index)
+                .copied()
+                .filter(|v| v.is_finite())
+                .unwrap_or(0.0)
+        })
     });
     let meridian = number(keys, GEOG_PRIME_MERIDIAN_LONG).unwrap_or(0.0);
-    Ok(Datum::new(cited_datum(keys).unwrap_or("unknown"), axis, flattening, meridian, shift))
+    Ok(Datum::new(
+        cited_datum(keys).unwrap_or("unknown"),
+        axis,
+        flattening,
+        meridian,
+        shift,
+    ))
 }
 
 fn ellipsoid(keys: &GeoKeyDirectory) -> Result<(f64, f64), String> {
@@ -195,13 +234,18 @@ fn ellipsoid(keys: &GeoKeyDirectory) -> Result<(f64, f64), String> {
     let flattening = number(keys, GEOG_INVERSE_FLATTENING)
         .or_else(|| {
             let minor = number(keys, GEOG_SEMI_MINOR_AXIS)?;
-            Some(if minor == axis { 0.0 } else { axis / (axis - minor) })
+            Some(if minor == axis {
+                0.0
+            } else {
+                axis / (axis - minor)
+            })
         })
         .unwrap_or(0.0);
-    let sound = axis > 1e3 && axis < 1e9 && (flattening == 0.0 || (flattening > 2.0 && flattening < 1e9));
-    sound
-        .then_some((axis, flattening))
-        .ok_or_else(|| format!("has an ellipsoid of axis {axis} m and inverse flattening {flattening}"))
+    let sound =
+        axis > 1e3 && axis < 1e9 && (flattening == 0.0 || (flattening > 2.0 && flattening < 1e9));
+    sound.then_some((axis, flattening)).ok_or_else(|| {
+        format!("has an ellipsoid of axis {axis} m and inverse flattening {flattening}")
+    })
 }
 
 #[cfg(test)]
@@ -233,8 +277,15 @@ mod tests {
 
     #[test]
     fn gradians_and_geocentric_coordinates_are_refused() {
-        let gradians = [(1024, GeoKeyValue::Short(2)), (2054, GeoKeyValue::Short(9105))];
-        assert!(crs_from_geo_keys(&directory(&gradians)).unwrap_err().contains("9105"));
+        let gradians = [
+            (1024, GeoKeyValue::Short(2)),
+            (2054, GeoKeyValue::Short(9105)),
+        ];
+        assert!(
+            crs_from_geo_keys(&directory(&gradians))
+                .unwrap_err()
+                .contains("9105")
+        );
         let geocentric = [(1024, GeoKeyValue::Short(3))];
         assert!(crs_from_geo_keys(&directory(&geocentric)).is_err());
         assert_eq!(crs_from_geo_keys(&directory(&[])), Ok(None));

@@ -50,7 +50,10 @@ impl Crs {
         let systems = (self.system(), other.system());
         let (Some(from), Some(to)) = systems else {
             let crs = if systems.0.is_none() { self } else { other };
-            let method = crs.projection.as_ref().map_or("", |projection| &projection.method);
+            let method = crs
+                .projection
+                .as_ref()
+                .map_or("", |projection| &projection.method);
             return CrsRelation::Unrelated(format!("the projection {method} is not computed here"));
         };
         let mut shift = 0.0_f64;
@@ -74,11 +77,16 @@ impl Crs {
     /// Metres between a place of `self` and the place of equal coordinates in `other`.
     fn distance(&self, other: &Self, from: &Proj, to: &Proj, place: [f64; 2]) -> Option<f64> {
         let unit = |crs: &Self| {
-            crs.projection.as_ref().map_or(1f64.to_radians(), |projection| projection.metres_per_unit)
+            crs.projection
+                .as_ref()
+                .map_or(1f64.to_radians(), |projection| projection.metres_per_unit)
         };
         let mut point = (place[0] * unit(self), place[1] * unit(self), 0.0);
         transform(from, to, &mut point).ok()?;
-        let (dx, dy) = (point.0 / unit(other) - place[0], point.1 / unit(other) - place[1]);
+        let (dx, dy) = (
+            point.0 / unit(other) - place[0],
+            point.1 / unit(other) - place[1],
+        );
         let [east, north] = match &other.projection {
             Some(projection) => [projection.metres_per_unit; 2],
             None => other.datum.metres_per_degree(place[1]),
@@ -133,7 +141,10 @@ mod tests {
     fn zones_lie_far_apart_and_odd_projections_are_said_to_be_odd() {
         let place = [[500_000.0, 5_000_000.0]];
         let zones = epsg(32610).relation_to(&epsg(32611), &place);
-        assert!(matches!(zones, CrsRelation::Shifted(metres) if metres > 1e5), "{zones:?}");
+        assert!(
+            matches!(zones, CrsRelation::Shifted(metres) if metres > 1e5),
+            "{zones:?}"
+        );
         let mut odd = epsg(32610);
         odd.projection = Some(Projection::new("Bonne", [], 1.0));
         let relation = odd.relation_to(&epsg(32610), &place);

@@ -52,13 +52,16 @@ impl Element {
 
     fn children(&self, keyword: &'static str) -> impl Iterator<Item = &Self> {
         self.items.iter().filter_map(move |item| match item {
-            Item::Element(element) if element.keyword.eq_ignore_ascii_case(keyword) => Some(element),
+            Item::Element(element) if element.keyword.eq_ignore_ascii_case(keyword) => {
+                Some(element)
+            }
             _ => None,
         })
     }
 
     fn need(&self, within: &'static str, missing: &'static str) -> Result<&Self, WktError> {
-        self.child(missing).ok_or(WktError::Missing { within, missing })
+        self.child(missing)
+            .ok_or(WktError::Missing { within, missing })
     }
 
     fn name(&self) -> &str {
@@ -96,7 +99,10 @@ impl Crs {
         let horizontal = if root.keyword.eq_ignore_ascii_case("COMPD_CS") {
             root.child("PROJCS")
                 .or_else(|| root.child("GEOGCS"))
-                .ok_or(WktError::Missing { within: "COMPD_CS", missing: "PROJCS" })?
+                .ok_or(WktError::Missing {
+                    within: "COMPD_CS",
+                    missing: "PROJCS",
+                })?
         } else {
             &root
         };
@@ -110,10 +116,23 @@ impl Crs {
 
 fn geographic(element: &Element) -> Result<Crs, WktError> {
     let (datum, unit) = datum(element)?;
-    check(unit == 1.0, "the number of degrees in the unit of angle", unit)?;
+    check(
+        unit == 1.0,
+        "the number of degrees in the unit of angle",
+        unit,
+    )?;
     let esri = element.name().starts_with("GCS_");
-    let name = if esri { datum.name.clone() } else { element.name().to_owned() };
-    Ok(Crs { name, epsg: element.epsg(), datum, projection: None })
+    let name = if esri {
+        datum.name.clone()
+    } else {
+        element.name().to_owned()
+    };
+    Ok(Crs {
+        name,
+        epsg: element.epsg(),
+        datum,
+        projection: None,
+    })
 }
 
 /// The datum of a `GEOGCS`, and its unit of angle in degrees.
@@ -124,20 +143,33 @@ fn datum(element: &Element) -> Result<(Datum, f64), WktError> {
     let flattening = spheroid.number(2).unwrap_or(f64::NAN);
     check(axis > 1e3 && axis < 1e9, "the ellipsoid's axis", axis)?;
     let oblate = flattening > 2.0 && flattening < 1e9;
-    check(flattening == 0.0 || oblate, "the ellipsoid's inverse flattening", flattening)?;
+    check(
+        flattening == 0.0 || oblate,
+        "the ellipsoid's inverse flattening",
+        flattening,
+    )?;
     let unit = degrees_per_unit(element)?;
-    let meridian = element.child("PRIMEM").and_then(|meridian| meridian.number(1));
-    let meridian = meridian.unwrap_or(0.0) * unit;
+    let meridian = element
+        .child("PRIMEM")
+        .and_then(|meridian| meridian.number(1));
+    // Writers give the meridian in degrees, whatever the unit of the other angles.
+    let meridian = meridian.unwrap_or(0.0);
     check(meridian.abs() <= 180.0, "the prime meridian", meridian)?;
     let shift = datum.child("TOWGS84").map(|shift| {
         std::array::from_fn(|index| shift.number(index).filter(|v| v.is_finite()).unwrap_or(0.0))
     });
-    Ok((Datum::new(datum.name(), axis, flattening, meridian, shift), unit))
+    Ok((
+        Datum::new(datum.name(), axis, flattening, meridian, shift),
+        unit,
+    ))
 }
 
 fn projected(element: &Element) -> Result<Crs, WktError> {
     let (datum, angle) = datum(element.need("PROJCS", "GEOGCS")?)?;
-    let unit = element.need("PROJCS", "UNIT")?.number(1).unwrap_or(f64::NAN);
+    let unit = element
+        .need("PROJCS", "UNIT")?
+        .number(1)
+        .unwrap_or(f64::NAN);
     check(unit > 1e-6 && unit < 1e6, "the unit of length", unit)?;
     let method = element.need("PROJCS", "PROJECTION")?.name();
     let parameters = element.children("PARAMETER").map(|parameter| {
@@ -164,15 +196,33 @@ fn projected(element: &Element) -> Result<Crs, WktError> {
 }
 
 fn degrees_per_unit(element: &Element) -> Result<f64, WktError> {
-    let radians = element.need("GEOGCS", "UNIT")?.number(1).unwrap_or(f64::NAN);
-    check(radians > 1e-9 && radians < 10.0, "the unit of angle", radians)?;
+    let radians = element
+        .need("GEOGCS", "UNIT")?
+        .number(1)
+        .unwrap_or(f64::NAN);
+    check(
+        radians > 1e-9 && radians < 10.0,
+        "the unit of angle",
+        radians,
+    )?;
     let degrees = radians.to_degrees();
     // Texts carry 0.0174532925199433 and other roundings of one degree.
-    Ok(if (degrees - 1.0).abs() < 1e-9 { 1.0 } else { degrees })
+    Ok(if (degrees - 1.0).abs() < 1e-9 {
+        1.0
+    } else {
+        degrees
+    })
 }
 
 fn check(fits: bool, what: &'static str, value: f64) -> Result<(), WktError> {
-    if fits { Ok(()) } else { Err(WktError::Value { what, value: value.to_string() }) }
+    if fits {
+        Ok(())
+    } else {
+        Err(WktError::Value {
+            what,
+            value: value.to_string(),
+        })
+    }
 }
 
 fn skip_space(bytes: &[u8], mut at: usize) -> usize {
@@ -186,7 +236,10 @@ fn skip_space(bytes: &[u8], mut at: usize) -> usize {
 fn element(text: &str, at: &mut usize, depth: usize) -> Result<Element, WktError> {
     let bytes = text.as_bytes();
     let start = *at;
-    while bytes.get(*at).is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte == b'_') {
+    while bytes
+        .get(*at)
+        .is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte == b'_')
+    {
         *at += 1;
     }
     let keyword = text[start..*at].to_owned();
@@ -224,14 +277,23 @@ fn item(text: &str, at: &mut usize, depth: usize) -> Result<Item, WktError> {
         }
         Some(b'0'..=b'9' | b'-' | b'+' | b'.') => {
             let start = *at;
-            while bytes.get(*at).is_some_and(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b)) {
+            while bytes
+                .get(*at)
+                .is_some_and(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b))
+            {
                 *at += 1;
             }
-            text[start..*at].parse().map(Item::Number).map_err(|_| WktError::Syntax(start))
+            text[start..*at]
+                .parse()
+                .map(Item::Number)
+                .map_err(|_| WktError::Syntax(start))
         }
         Some(_) => {
             let start = *at;
-            while bytes.get(*at).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_') {
+            while bytes
+                .get(*at)
+                .is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_')
+            {
                 *at += 1;
             }
             // A bare word, as in AXIS["E",EAST], or the keyword of an element.
@@ -271,6 +333,9 @@ mod tests {
             assert!(Crs::from_wkt(&NAD27_UTM10[..end]).is_err(), "cut at {end}");
         }
         assert!(Crs::from_wkt(&"A[".repeat(100_000)).is_err());
-        assert!(matches!(Crs::from_wkt("LOCAL_CS[\"x\"]"), Err(WktError::Kind(_))));
+        assert!(matches!(
+            Crs::from_wkt("LOCAL_CS[\"x\"]"),
+            Err(WktError::Kind(_))
+        ));
     }
 }

@@ -5,19 +5,44 @@ use std::fmt;
 
 impl fmt::Display for FileInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let types: Vec<_> = self.dtype.first().map(|sample| format!("{sample:?}")).into_iter().collect();
-        writeln!(f, "format       {}, {} by {} cells, {} of {}", self.driver, self.width, self.height,
-            plural(self.bands, "band"), types.join(""))?;
-        writeln!(f, "stored       in blocks of {} by {}, {}, {}", self.block[0], self.block[1],
-            self.compression.as_deref().unwrap_or("uncompressed"), plural(self.overviews, "overview"))?;
-        writeln!(f, "CRS          {}", self.crs.as_deref().unwrap_or("not named"))?;
+        let types: Vec<_> = self
+            .dtype
+            .first()
+            .map(|sample| format!("{sample:?}"))
+            .into_iter()
+            .collect();
+        writeln!(
+            f,
+            "format       {}, {} by {} cells, {} of {}",
+            self.driver,
+            self.width,
+            self.height,
+            plural(self.bands, "band"),
+            types.join("")
+        )?;
+        writeln!(
+            f,
+            "stored       in blocks of {} by {}, {}, {}",
+            self.block[0],
+            self.block[1],
+            self.compression.as_deref().unwrap_or("uncompressed"),
+            plural(self.overviews, "overview")
+        )?;
+        writeln!(
+            f,
+            "CRS          {}",
+            self.crs.as_deref().unwrap_or("not named")
+        )?;
         if let Some([x, dx, _, y, _, dy]) = self.geotransform {
             writeln!(f, "origin       {x}, {y}")?;
             writeln!(f, "cell         {dx} by {}", -dy)?;
         }
         if let Some(extent) = self.extent_outer_pixel_edges {
-            writeln!(f, "extent       west {}, south {}, east {}, north {} (outer edges)",
-                extent.minx, extent.miny, extent.maxx, extent.maxy)?;
+            writeln!(
+                f,
+                "extent       west {}, south {}, east {}, north {} (outer edges)",
+                extent.minx, extent.miny, extent.maxx, extent.maxy
+            )?;
         }
         if let Some(pixel_is) = self.area_or_point {
             writeln!(f, "cells are    {}", format!("{pixel_is:?}").to_lowercase())?;
@@ -30,7 +55,11 @@ impl fmt::Display for FileInfo {
             if let (Some(min), Some(max), Some(mean)) = (band.min, band.max, band.mean) {
                 write!(f, ", {min} to {max}, mean {mean:.3}")?;
             }
-            write!(f, ", {} valid, {} without a value", band.valid, band.invalid)?;
+            write!(
+                f,
+                ", {} valid, {} without a value",
+                band.valid, band.invalid
+            )?;
             match band.nodata {
                 Some(nodata) => writeln!(f, " (nodata {nodata})")?,
                 None => writeln!(f)?,

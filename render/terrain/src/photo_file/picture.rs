@@ -22,7 +22,10 @@ impl Picture {
             return Err(TerrainError::Picture {
                 path: path.to_owned(),
                 problem: "it is none of GeoTIFF, PNG and JPEG".into(),
-                remedy: format!("convert it with: gdal_translate {} photo.tif", path.display()),
+                remedy: format!(
+                    "convert it with: gdal_translate {} photo.tif",
+                    path.display()
+                ),
             });
         }
         let damaged = |error: image::ImageError| TerrainError::Picture {
@@ -50,7 +53,9 @@ impl Picture {
         let mut limits = Limits::default();
         limits.max_alloc = Some(2 * MAX_BYTES);
         decoder.set_limits(limits).map_err(damaged)?;
-        DynamicImage::from_decoder(decoder).map(|image| Self { image }).map_err(damaged)
+        DynamicImage::from_decoder(decoder)
+            .map(|image| Self { image })
+            .map_err(damaged)
     }
 }
 
@@ -58,7 +63,9 @@ impl Picture {
 fn check_compressed_size(path: &Path, decoded: u64) -> Result<(), TerrainError> {
     /// Neither deflate nor a JPEG block stands for more than this many bytes a byte.
     const MAX_RATIO: u64 = 1100;
-    let length = std::fs::metadata(path).map_err(|error| TerrainError::io(path, error))?.len();
+    let length = std::fs::metadata(path)
+        .map_err(|error| TerrainError::io(path, error))?
+        .len();
     if decoded > length.saturating_mul(MAX_RATIO) {
         return Err(TerrainError::damaged(
             path,

@@ -49,12 +49,18 @@ impl TiffPhoto {
                 return Err(TerrainError::unsupported(
                     path,
                     "has inks or a mask in place of colours",
-                    format!("convert it with: gdal_translate -expand rgb {} photo.tif", path.display()),
+                    format!(
+                        "convert it with: gdal_translate -expand rgb {} photo.tif",
+                        path.display()
+                    ),
                 ));
             }
         };
         let alpha = extra.iter().position(|sample| {
-            matches!(sample, ExtraSample::AssociatedAlpha | ExtraSample::UnassociatedAlpha)
+            matches!(
+                sample,
+                ExtraSample::AssociatedAlpha | ExtraSample::UnassociatedAlpha
+            )
         });
         let colours = if coloured == 3 {
             [0, 1, 2]
@@ -77,7 +83,13 @@ impl TiffPhoto {
             .filter(|value| (0.0..=65_535.0).contains(value) && value.fract() == 0.0)
             .map(|value| value as u16);
         let layout = Channels { colours, alpha };
-        let mut photo = Self { file, layout, nodata, stretch: None, notes };
+        let mut photo = Self {
+            file,
+            layout,
+            nodata,
+            stretch: None,
+            notes,
+        };
         photo.find_stretch()?;
         Ok(photo)
     }
@@ -102,7 +114,9 @@ impl TiffPhoto {
             for pixel in samples.chunks_exact(colours.channels) {
                 let colours = self.layout.colours.map(|channel| pixel[channel]);
                 if !colours.iter().all(|&colour| Some(colour) == self.nodata) {
-                    colours.iter().for_each(|&colour| counts[usize::from(colour)] += 1);
+                    colours
+                        .iter()
+                        .for_each(|&colour| counts[usize::from(colour)] += 1);
                 }
             }
         }
@@ -112,14 +126,23 @@ impl TiffPhoto {
             value_beyond(counts.iter().enumerate().rev(), clipped),
         );
         self.stretch = Some([low, high.max(low.saturating_add(1))]);
-        self.notes.push(format!("the photograph's 16-bit values from {low} to {high} are shown as 0 to 255"));
+        self.notes.push(format!(
+            "the photograph's 16-bit values from {low} to {high} are shown as 0 to 255"
+        ));
         Ok(())
     }
 
     fn pixel<T: Copy + Into<u16>>(&self, channels: &[T]) -> Pixel {
         let colours = self.layout.colours.map(|channel| channels[channel].into());
-        let full = if self.stretch.is_some() { u16::MAX } else { 255 };
-        let cover = self.layout.alpha.map_or(full, |(channel, _)| channels[channel].into());
+        let full = if self.stretch.is_some() {
+            u16::MAX
+        } else {
+            255
+        };
+        let cover = self
+            .layout
+            .alpha
+            .map_or(full, |(channel, _)| channels[channel].into());
         let missing = self.nodata.is_some() && colours.iter().all(|&c| Some(c) == self.nodata);
         if missing || cover < full / 2 {
             return [0; 4];
@@ -184,10 +207,17 @@ impl PhotoFile for TiffPhoto {
 
     fn place(&self) -> Place {
         let header = self.file.header();
-        Place { transform: header.transform, crs: header.crs.clone() }
+        Place {
+            transform: header.transform,
+            crs: header.crs.clone(),
+        }
     }
 
     fn notes(&self) -> Vec<String> {
-        self.notes.iter().chain(&self.file.header().notes).cloned().collect()
+        self.notes
+            .iter()
+            .chain(&self.file.header().notes)
+            .cloned()
+            .collect()
     }
 }

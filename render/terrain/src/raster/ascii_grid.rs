@@ -15,9 +15,22 @@ const KEYS: &str = "ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter
 /// Whether a file's first bytes begin a header.
 pub(super) fn looks_like_one(start: &[u8]) -> bool {
     let start = start.trim_ascii_start();
-    [&b"ncols"[..], b"nrows", b"xll", b"yll", b"cellsize", b"dx", b"dy", b"nodata"]
-        .iter()
-        .any(|key| start.get(..key.len()).is_some_and(|s| s.eq_ignore_ascii_case(key)))
+    [
+        &b"ncols"[..],
+        b"nrows",
+        b"xll",
+        b"yll",
+        b"cellsize",
+        b"dx",
+        b"dy",
+        b"nodata",
+    ]
+    .iter()
+    .any(|key| {
+        start
+            .get(..key.len())
+            .is_some_and(|s| s.eq_ignore_ascii_case(key))
+    })
 }
 
 pub(super) struct AsciiGrid {
@@ -77,15 +90,28 @@ impl AsciiGrid {
     }
 
     fn error(&self, line: u64, problem: String) -> TerrainError {
-        TerrainError::AsciiGrid { path: self.path.clone(), line, problem }
+        TerrainError::AsciiGrid {
+            path: self.path.clone(),
+            line,
+            problem,
+        }
     }
 
     /// Whole numbers, unless the values at hand are written otherwise.
     fn guess_sample_type(&mut self) -> Result<(), TerrainError> {
         let io = |source| TerrainError::io(&self.path, source);
         let fraction = |byte: &u8| matches!(byte, b'.' | b'e' | b'E' | b'n' | b'N');
-        let ahead = self.words.reader.fill_buf().map_err(io)?.iter().any(fraction);
-        let first = self.first.as_ref().is_some_and(|word| word.text.as_bytes().iter().any(fraction));
+        let ahead = self
+            .words
+            .reader
+            .fill_buf()
+            .map_err(io)?
+            .iter()
+            .any(fraction);
+        let first = self
+            .first
+            .as_ref()
+            .is_some_and(|word| word.text.as_bytes().iter().any(fraction));
         if ahead || first {
             self.header.sample = SampleType::Float32;
         }
@@ -98,7 +124,10 @@ impl AsciiGrid {
             let cell = (east - west) / f64::from(self.header.width);
             let degrees = west >= -181.0 && east <= 361.0 && south >= -90.5 && north <= 90.5;
             self.header.notes.push(if degrees && cell < 0.5 {
-                self.header.crs = Some(Crs { epsg: None, ..Crs::wgs84() });
+                self.header.crs = Some(Crs {
+                    epsg: None,
+                    ..Crs::wgs84()
+                });
                 "no .prj lies beside the grid; its coordinates are taken for WGS 84 degrees".into()
             } else {
                 "no .prj lies beside the grid; its coordinates are taken for metres".into()
@@ -117,14 +146,19 @@ impl AsciiGrid {
             return Err(match self.uneven {
                 Some((line, values)) => self.error(
                     line,
-                    format!("{values} values stand where a row has {width}, and the file ends early"),
+                    format!(
+                        "{values} values stand where a row has {width}, and the file ends early"
+                    ),
                 ),
                 None => self.error(self.words.line, "the file ends before the last row".into()),
             });
         };
         self.count(word.line);
         let value = word.number().ok_or_else(|| {
-            self.error(word.line, format!("{:?} stands where a number should", word.text))
+            self.error(
+                word.line,
+                format!("{:?} stands where a number should", word.text),
+            )
         })?;
         if value.fract() != 0.0 || !value.is_finite() || value.abs() > 2_147_483_648.0 {
             self.header.sample = SampleType::Float32;
@@ -174,7 +208,10 @@ impl RasterFile for AsciiGrid {
                         self.header.width
                     ),
                 ),
-                None => (word.line, format!("{:?} stands behind the last row", word.text)),
+                None => (
+                    word.line,
+                    format!("{:?} stands behind the last row", word.text),
+                ),
             };
             return Err(self.error(line, problem));
         }
@@ -196,7 +233,11 @@ struct Keys {
 
 impl Keys {
     fn read(&mut self, key: &Word, words: &mut Words) -> Result<(), TerrainError> {
-        let error = |line, problem| TerrainError::AsciiGrid { path: words.path.clone(), line, problem };
+        let error = |line, problem| TerrainError::AsciiGrid {
+            path: words.path.clone(),
+            line,
+            problem,
+        };
         let name = key.text.to_ascii_lowercase();
         let slot: &mut dyn FnMut(f64) = match name.as_str() {
             "ncols" => &mut |value| self.cols = Some(value),
@@ -218,13 +259,22 @@ impl Keys {
         };
         let path = words.path.clone();
         let value = words.next()?;
-        let error = |problem| TerrainError::AsciiGrid { path, line: key.line, problem };
+        let error = |problem| TerrainError::AsciiGrid {
+            path,
+            line: key.line,
+            problem,
+        };
         let Some(value) = value else {
             return Err(error(format!("the file ends behind {:?}", key.text)));
         };
-        let number = value.number().filter(|number| number.is_finite() || name.starts_with("nodata"));
+        let number = value
+            .number()
+            .filter(|number| number.is_finite() || name.starts_with("nodata"));
         slot(number.ok_or_else(|| {
-            error(format!("{:?} is not a number, as {} needs", value.text, key.text))
+            error(format!(
+                "{:?} is not a number, as {} needs",
+                value.text, key.text
+            ))
         })?);
         Ok(())
     }
@@ -257,7 +307,10 @@ impl Keys {
             });
         }
         let corner = |place: Option<(f64, bool)>, step: f64, key| {
-            let (value, centre) = (place.map(|place| place.0), place.is_some_and(|place| place.1));
+            let (value, centre) = (
+                place.map(|place| place.0),
+                place.is_some_and(|place| place.1),
+            );
             Ok::<_, TerrainError>(need(value, key)? - if centre { step / 2.0 } else { 0.0 })
         };
         let west = corner(self.x, dx, "xllcorner")?;
@@ -298,8 +351,10 @@ impl Words {
     fn next(&mut self) -> Result<Option<Word>, TerrainError> {
         let mut text = Vec::with_capacity(16);
         loop {
-            let buffer =
-                self.reader.fill_buf().map_err(|source| TerrainError::io(&self.path, source))?;
+            let buffer = self
+                .reader
+                .fill_buf()
+                .map_err(|source| TerrainError::io(&self.path, source))?;
             let mut used = 0;
             let mut ended = buffer.is_empty();
             let line = self.line;
@@ -319,14 +374,19 @@ impl Words {
                     return Err(TerrainError::AsciiGrid {
                         path: self.path.clone(),
                         line,
-                        problem: format!("a word of more than {MAX_WORD} bytes stands where a number should"),
+                        problem: format!(
+                            "a word of more than {MAX_WORD} bytes stands where a number should"
+                        ),
                     });
                 }
             }
             self.reader.consume(used);
             self.bytes += used as u64;
             if ended {
-                let word = Word { text: String::from_utf8_lossy(&text).into_owned(), line: self.line };
+                let word = Word {
+                    text: String::from_utf8_lossy(&text).into_owned(),
+                    line: self.line,
+                };
                 return Ok((!text.is_empty()).then_some(word));
             }
         }

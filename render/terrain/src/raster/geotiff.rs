@@ -50,11 +50,17 @@ impl Tiff {
         };
         match geo {
             Ok(geo) => Ok(Self::Geo(Box::new(geo))),
-            Err(GeoError::NotGeoTiff) if bytes.is_none() => TiffFile::open_with_options(path, options)
-                .map(|plain| Self::Plain(Box::new(plain)))
-                .map_err(|error| tiff_error(path, "its header", &error)),
+            Err(GeoError::NotGeoTiff) if bytes.is_none() => {
+                TiffFile::open_with_options(path, options)
+                    .map(|plain| Self::Plain(Box::new(plain)))
+                    .map_err(|error| tiff_error(path, "its header", &error))
+            }
             Err(GeoError::Tiff(error)) => Err(tiff_error(path, "its header", &error)),
-            Err(error) => Err(TerrainError::damaged(path, "its geographic tags", error.to_string())),
+            Err(error) => Err(TerrainError::damaged(
+                path,
+                "its geographic tags",
+                error.to_string(),
+            )),
         }
     }
 }
@@ -62,7 +68,9 @@ impl Tiff {
 impl GeoTiff {
     /// Reads the header and checks that what it announces can be there.
     pub(crate) fn open(path: &Path) -> Result<Self, TerrainError> {
-        let length = std::fs::metadata(path).map_err(|error| TerrainError::io(path, error))?.len();
+        let length = std::fs::metadata(path)
+            .map_err(|error| TerrainError::io(path, error))?
+            .len();
         Self::new(path, None, length)
     }
 
@@ -83,17 +91,23 @@ impl GeoTiff {
             .ifd(image)
             .map_err(|_| TerrainError::damaged(path, "its first directory", "there is no image"))?;
         check_size(path, u64::from(ifd.width()), u64::from(ifd.height()))?;
-        let layout = ifd.raster_layout().map_err(|error| tiff_error(path, "the image's tags", &error))?;
-        let sample = sample_type(layout.sample_format, layout.bits_per_sample).ok_or_else(|| {
-            TerrainError::unsupported(
-                path,
-                format!(
-                    "has samples of {} bits in format {}",
-                    layout.bits_per_sample, layout.sample_format
-                ),
-                format!("convert it with: gdal_translate -ot Float32 {} converted.tif", path.display()),
-            )
-        })?;
+        let layout = ifd
+            .raster_layout()
+            .map_err(|error| tiff_error(path, "the image's tags", &error))?;
+        let sample =
+            sample_type(layout.sample_format, layout.bits_per_sample).ok_or_else(|| {
+                TerrainError::unsupported(
+                    path,
+                    format!(
+                        "has samples of {} bits in format {}",
+                        layout.bits_per_sample, layout.sample_format
+                    ),
+                    format!(
+                        "convert it with: gdal_translate -ot Float32 {} converted.tif",
+                        path.display()
+                    ),
+                )
+            })?;
         let blocks = Blocks::check(path, ifd, length, sample.bytes())?;
         let mask = mask(path, tiff.file(), ifd, length)?;
         let mut header = header(path, &tiff, ifd, sample, &blocks)?;
@@ -105,12 +119,21 @@ impl GeoTiff {
         options.block_cache_bytes = (row_of_blocks + row_of_blocks / 8).clamp(MIB, 192 * MIB);
         options.block_cache_slots = 4 * (header.width as usize / blocks.width as usize + 2);
         let tiff = Tiff::open(path, bytes, options)?;
-        Ok(Self { path: path.to_owned(), tiff, image, mask, blocks, header })
+        Ok(Self {
+            path: path.to_owned(),
+            tiff,
+            image,
+            mask,
+            blocks,
+            header,
+        })
     }
 
     /// The kinds of colour that the samples mean.
     pub(crate) fn colour_model(&self) -> Result<ColorModel, TerrainError> {
-        self.ifd()?.color_model().map_err(|error| tiff_error(&self.path, "its colour tags", &error))
+        self.ifd()?
+            .color_model()
+            .map_err(|error| tiff_error(&self.path, "its colour tags", &error))
     }
 
     /// Reads whole rows as colours: channels a pixel, 16-bit samples as they are.
@@ -141,7 +164,10 @@ impl GeoTiff {
             }
         }
         .map_err(|error| tiff_error(&self.path, &place(), &error))?;
-        Ok(Colours { samples, channels: layout.samples_per_pixel })
+        Ok(Colours {
+            samples,
+            channels: layout.samples_per_pixel,
+        })
     }
 
     /// Column and row of each cell in these rows that the file leaves out or masks.
@@ -188,7 +214,13 @@ impl GeoTiff {
         }
         .map_err(|error| tiff_error(&self.path, &rows_place(rows), &error))?;
         into.clear();
-        into.extend(window.into_raw_vec_and_offset().0.into_iter().map(Into::into));
+        into.extend(
+            window
+                .into_raw_vec_and_offset()
+                .0
+                .into_iter()
+                .map(Into::into),
+        );
         Ok(())
     }
 }
@@ -242,14 +274,24 @@ impl RasterFile for GeoTiff {
 }
 
 /// The mask over the full image, where the file has one.
-fn mask(path: &Path, tiff: &TiffFile, image: &Ifd, length: u64) -> Result<Option<usize>, TerrainError> {
+fn mask(
+    path: &Path,
+    tiff: &TiffFile,
+    image: &Ifd,
+    length: u64,
+) -> Result<Option<usize>, TerrainError> {
     const NEW_SUBFILE_TYPE: u16 = 254;
     let mask = tiff.ifds().iter().position(|ifd| {
-        let flags = ifd.tag(NEW_SUBFILE_TYPE).and_then(|tag| tag.value.as_u64()).unwrap_or(0);
+        let flags = ifd
+            .tag(NEW_SUBFILE_TYPE)
+            .and_then(|tag| tag.value.as_u64())
+            .unwrap_or(0);
         flags & 0b101 == 0b100
             && (ifd.width(), ifd.height()) == (image.width(), image.height())
             && ifd.samples_per_pixel() == 1
-            && ifd.bits_per_sample().is_ok_and(|bits| bits.iter().all(|&bits| bits <= 8))
+            && ifd
+                .bits_per_sample()
+                .is_ok_and(|bits| bits.iter().all(|&bits| bits <= 8))
     });
     if let Some(index) = mask {
         Blocks::check(path, &tiff.ifds()[index], length, 1)?;
@@ -321,15 +363,23 @@ fn header(
             TerrainError::unsupported(
                 path,
                 feature,
-                format!("warp it with: gdalwarp -t_srs EPSG:CODE {} warped.tif", path.display()),
+                format!(
+                    "warp it with: gdalwarp -t_srs EPSG:CODE {} warped.tif",
+                    path.display()
+                ),
             )
         })?;
-        nodata = geo.nodata().map(|text| metadata::nodata(path, text)).transpose()?;
+        nodata = geo
+            .nodata()
+            .map(|text| metadata::nodata(path, text))
+            .transpose()?;
         if let Some(crs) = &header.crs
             && crs.is_geographic()
             && crs.epsg.is_some_and(|code| Crs::from_epsg(code).is_none())
         {
-            header.notes.push(format!("{crs} is not in the table of systems; its ellipsoid is taken from the file"));
+            header.notes.push(format!(
+                "{crs} is not in the table of systems; its ellipsoid is taken from the file"
+            ));
         }
     }
     header.bands = roles
@@ -378,7 +428,10 @@ fn tiff_error(path: &Path, place: &str, error: &tiff_reader::TiffError) -> Terra
         | E::UnsupportedVersion(_) => TerrainError::unsupported(
             path,
             format!("needs something else than is built in ({error})"),
-            format!("convert it with: gdal_translate -co COMPRESS=DEFLATE {} converted.tif", path.display()),
+            format!(
+                "convert it with: gdal_translate -co COMPRESS=DEFLATE {} converted.tif",
+                path.display()
+            ),
         ),
         other => TerrainError::damaged(path, place, other.to_string()),
     }

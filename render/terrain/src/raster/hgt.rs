@@ -36,7 +36,10 @@ impl Hgt {
                     "unpack or download it again",
                 )
             })?;
-        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .unwrap_or_default();
         let (south, west) = corner(name).ok_or_else(|| {
             error(
                 format!("the name {name:?} does not say which degree square this is"),
@@ -45,8 +48,14 @@ impl Hgt {
         })?;
         let step = 1.0 / f64::from(side - 1);
         // Samples lie on the degree lines; the transform names outer edges.
-        let transform =
-            [west - step / 2.0, step, 0.0, south + 1.0 + step / 2.0, 0.0, -step];
+        let transform = [
+            west - step / 2.0,
+            step,
+            0.0,
+            south + 1.0 + step / 2.0,
+            0.0,
+            -step,
+        ];
         let header = Header {
             driver: "SRTMHGT",
             width: side,
@@ -62,7 +71,12 @@ impl Hgt {
             notes: Vec::new(),
         };
         let file = std::fs::File::open(path).map_err(|source| TerrainError::io(path, source))?;
-        Ok(Self { path: path.to_owned(), header, file: BufReader::new(file), bytes: Vec::new() })
+        Ok(Self {
+            path: path.to_owned(),
+            header,
+            file: BufReader::new(file),
+            bytes: Vec::new(),
+        })
     }
 }
 
@@ -77,13 +91,18 @@ impl RasterFile for Hgt {
         _bands: BandChoice,
         into: &mut Vec<f64>,
     ) -> Result<(), TerrainError> {
-        self.bytes.resize(rows.len() * self.header.width as usize * 2, 0);
+        self.bytes
+            .resize(rows.len() * self.header.width as usize * 2, 0);
         self.file
             .read_exact(&mut self.bytes)
             .map_err(|source| TerrainError::io(&self.path, source))?;
         into.clear();
         into.extend(
-            self.bytes.as_chunks().0.iter().map(|&bytes| f64::from(i16::from_be_bytes(bytes))),
+            self.bytes
+                .as_chunks()
+                .0
+                .iter()
+                .map(|&bytes| f64::from(i16::from_be_bytes(bytes))),
         );
         Ok(())
     }
@@ -91,10 +110,16 @@ impl RasterFile for Hgt {
 
 /// The south-west corner (latitude, longitude in degrees) that a file's name begins with.
 fn corner(name: &str) -> Option<(f64, f64)> {
-    let name = name.get(..7).filter(|name| name.is_ascii())?.to_ascii_uppercase();
+    let name = name
+        .get(..7)
+        .filter(|name| name.is_ascii())?
+        .to_ascii_uppercase();
     let number = |range: Range<usize>| {
         let digits = &name[range];
-        digits.bytes().all(|byte| byte.is_ascii_digit()).then(|| digits.parse::<f64>().ok())?
+        digits
+            .bytes()
+            .all(|byte| byte.is_ascii_digit())
+            .then(|| digits.parse::<f64>().ok())?
     };
     let latitude = match &name[..1] {
         "N" => number(1..3)?,
@@ -118,7 +143,14 @@ mod tests {
     fn a_name_says_the_corner() {
         assert_eq!(corner("N42E001.hgt"), Some((42.0, 1.0)));
         assert_eq!(corner("s23w044.SRTMGL1.hgt"), Some((-23.0, -44.0)));
-        for name in ["N4E001.hgt", "Q42E001.hgt", "N42E+01.hgt", "N95E001.hgt", "N4", "Ñ42E001é"] {
+        for name in [
+            "N4E001.hgt",
+            "Q42E001.hgt",
+            "N42E+01.hgt",
+            "N95E001.hgt",
+            "N4",
+            "Ñ42E001é",
+        ] {
             assert_eq!(corner(name), None, "{name}");
         }
     }

@@ -110,7 +110,13 @@ pub(crate) struct Band {
 
 impl Band {
     fn plain(colour: ColourRole, nodata: Option<f64>, unit: Option<&str>) -> Self {
-        Self { nodata, colour, unit: unit.map(str::to_owned), scale: None, offset: None }
+        Self {
+            nodata,
+            colour,
+            unit: unit.map(str::to_owned),
+            scale: None,
+            offset: None,
+        }
     }
 }
 
@@ -137,13 +143,16 @@ pub(crate) struct Header {
 impl Header {
     /// West, south, east, north outer edges of a north-up raster.
     pub(crate) fn extent(&self, path: &Path) -> Result<[f64; 4], TerrainError> {
-        let transform = self
-            .transform
-            .ok_or_else(|| TerrainError::NoGeoreference { path: path.to_owned() })?;
+        let transform = self.transform.ok_or_else(|| TerrainError::NoGeoreference {
+            path: path.to_owned(),
+        })?;
         let [west, dx, skew_x, north, skew_y, dy] = transform;
         let sound = dx > 0.0 && dy < 0.0 && skew_x == 0.0 && skew_y == 0.0;
         if !sound || !transform.iter().all(|value| value.is_finite()) {
-            return Err(TerrainError::Rotated { path: path.to_owned(), transform });
+            return Err(TerrainError::Rotated {
+                path: path.to_owned(),
+                transform,
+            });
         }
         let (east, south) = (
             west + dx * f64::from(self.width),
@@ -195,7 +204,10 @@ pub(crate) fn open_raster(path: &Path) -> Result<Box<dyn RasterFile>, TerrainErr
     if is_tiff(&start) {
         return Ok(Box::new(GeoTiff::open(path)?));
     }
-    let extension = path.extension().and_then(|text| text.to_str()).unwrap_or_default();
+    let extension = path
+        .extension()
+        .and_then(|text| text.to_str())
+        .unwrap_or_default();
     if extension.eq_ignore_ascii_case("hgt") {
         return Ok(Box::new(hgt::Hgt::open(path, length)?));
     }
@@ -209,7 +221,10 @@ pub(crate) fn open_raster(path: &Path) -> Result<Box<dyn RasterFile>, TerrainErr
         [0x1f, 0x8b, ..] => "a gzip file (unpack it first)",
         _ => "of an unknown format",
     };
-    Err(TerrainError::UnknownFormat { path: path.to_owned(), found: found.to_owned() })
+    Err(TerrainError::UnknownFormat {
+        path: path.to_owned(),
+        found: found.to_owned(),
+    })
 }
 
 /// Whether a file starts as TIFF or BigTIFF in either byte order does.
@@ -226,12 +241,17 @@ pub(crate) fn first_bytes(path: &Path) -> Result<(Vec<u8>, u64), TerrainError> {
     let file = std::fs::File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     if metadata.is_dir() {
-        return Err(TerrainError::UnknownFormat { path: path.to_owned(), found: "a folder".into() });
+        return Err(TerrainError::UnknownFormat {
+            path: path.to_owned(),
+            found: "a folder".into(),
+        });
     }
     let mut start = Vec::new();
     file.take(4096).read_to_end(&mut start).map_err(io)?;
     if start.is_empty() {
-        return Err(TerrainError::Empty { path: path.to_owned() });
+        return Err(TerrainError::Empty {
+            path: path.to_owned(),
+        });
     }
     Ok((start, metadata.len()))
 }
@@ -247,7 +267,12 @@ pub(crate) fn check_size(path: &Path, cols: u64, rows: u64) -> Result<(), Terrai
     } else {
         return Ok(());
     };
-    Err(TerrainError::Size { path: path.to_owned(), cols, rows, limit })
+    Err(TerrainError::Size {
+        path: path.to_owned(),
+        cols,
+        rows,
+        limit,
+    })
 }
 
 /// A path with another extension, in the case in which it is there, or `None`.
@@ -275,13 +300,21 @@ mod tests {
         assert!(!SampleType::Byte.is_nodata(255.0, Some(-1.0)));
         assert!(!SampleType::Byte.is_nodata(0.0, None));
         // Neighbouring whole numbers are not within rounding of each other.
-        assert!(!float.is_nodata(1.0, Some(0.0)) && !float.is_nodata(f64::from(f32::MIN_POSITIVE), Some(0.0)));
+        assert!(
+            !float.is_nodata(1.0, Some(0.0))
+                && !float.is_nodata(f64::from(f32::MIN_POSITIVE), Some(0.0))
+        );
     }
 
     #[test]
     fn absurd_sizes_are_refused() {
         let path = Path::new("x.tif");
-        for (cols, rows) in [(0, 5), (1_000_000, 1_000_000), (u64::MAX, 1), (131_072, 131_072)] {
+        for (cols, rows) in [
+            (0, 5),
+            (1_000_000, 1_000_000),
+            (u64::MAX, 1),
+            (131_072, 131_072),
+        ] {
             assert!(check_size(path, cols, rows).is_err(), "{cols} by {rows}");
         }
         assert!(check_size(path, 16_385, 16_385).is_ok());

@@ -22,14 +22,16 @@ pub(crate) fn sidecar(raster: &Path) -> Result<Option<Crs>, TerrainError> {
         return Ok(None);
     };
     let text = read(&path)?;
-    Crs::from_wkt(text.trim()).map(Some).map_err(|error| TerrainError::Sidecar {
-        problem: error.to_string(),
-        remedy: format!(
-            "write it anew with: gdalsrsinfo -o wkt1_esri EPSG:CODE > {}",
-            path.display()
-        ),
-        path,
-    })
+    Crs::from_wkt(text.trim())
+        .map(Some)
+        .map_err(|error| TerrainError::Sidecar {
+            problem: error.to_string(),
+            remedy: format!(
+                "write it anew with: gdalsrsinfo -o wkt1_esri EPSG:CODE > {}",
+                path.display()
+            ),
+            path,
+        })
 }
 
 /// Six lines that say where a picture lies.
@@ -43,7 +45,10 @@ pub(crate) struct WorldFile {
 impl WorldFile {
     /// The world file beside a picture, by the extensions in use (`.pgw`, `.pngw`, `.wld`).
     pub(crate) fn beside(picture: &Path) -> Result<Option<Self>, TerrainError> {
-        let extension = picture.extension().and_then(|text| text.to_str()).unwrap_or_default();
+        let extension = picture
+            .extension()
+            .and_then(|text| text.to_str())
+            .unwrap_or_default();
         let extension = extension.to_ascii_lowercase();
         let short = match (extension.chars().next(), extension.chars().last()) {
             (Some(first), Some(last)) => format!("{first}{last}w"),
@@ -73,7 +78,14 @@ impl WorldFile {
             });
         };
         // The file names the centre of the first pixel, the transform its outer corner.
-        let transform = [x - (dx + skew_x) / 2.0, dx, skew_x, y - (skew_y + dy) / 2.0, skew_y, dy];
+        let transform = [
+            x - (dx + skew_x) / 2.0,
+            dx,
+            skew_x,
+            y - (skew_y + dy) / 2.0,
+            skew_y,
+            dy,
+        ];
         Ok(Self { path, transform })
     }
 }
@@ -92,7 +104,10 @@ mod tests {
         assert_eq!(world.transform, [100.0, 10.0, 0.0, 200.0, 0.0, -20.0]);
         std::fs::write(folder.path().join("photo.jgw"), "10\n0\nnorth\n-20\n").unwrap();
         let error = WorldFile::beside(&picture).unwrap_err().to_string();
-        assert!(error.contains("photo.jgw") && error.contains("2 numbers"), "{error}");
+        assert!(
+            error.contains("photo.jgw") && error.contains("2 numbers"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -102,6 +117,9 @@ mod tests {
         assert_eq!(sidecar(&raster).unwrap(), None);
         std::fs::write(folder.path().join("dem.prj"), "PROJCS[\"half").unwrap();
         let error = sidecar(&raster).unwrap_err().to_string();
-        assert!(error.contains("dem.prj") && error.contains("byte 8"), "{error}");
+        assert!(
+            error.contains("dem.prj") && error.contains("byte 8"),
+            "{error}"
+        );
     }
 }

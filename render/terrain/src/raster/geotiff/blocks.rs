@@ -38,21 +38,42 @@ impl Blocks {
         let (name, width, height, offsets, counts) = if tiled {
             let side = |side: Option<u32>| side.unwrap_or(0);
             let size = (side(ifd.tile_width()), side(ifd.tile_height()));
-            ("tile", size.0, size.1, ifd.tile_offsets(), ifd.tile_byte_counts())
+            (
+                "tile",
+                size.0,
+                size.1,
+                ifd.tile_offsets(),
+                ifd.tile_byte_counts(),
+            )
         } else {
             let height = ifd.rows_per_strip().min(rows);
-            ("strip", cols, height, ifd.strip_offsets(), ifd.strip_byte_counts())
+            (
+                "strip",
+                cols,
+                height,
+                ifd.strip_offsets(),
+                ifd.strip_byte_counts(),
+            )
         };
-        let damaged = |problem: String| TerrainError::damaged(path, format!("its {name}s"), problem);
+        let damaged =
+            |problem: String| TerrainError::damaged(path, format!("its {name}s"), problem);
         let (Some(offsets), Some(counts)) = (offsets, counts) else {
-            return Err(damaged("the tags that say where they lie are missing".into()));
+            return Err(damaged(
+                "the tags that say where they lie are missing".into(),
+            ));
         };
         if width == 0 || height == 0 {
-            return Err(damaged(format!("a {name} of {width} by {height} holds nothing")));
+            return Err(damaged(format!(
+                "a {name} of {width} by {height} holds nothing"
+            )));
         }
         let (across, down) = (cols.div_ceil(width), rows.div_ceil(height));
         let bands = u64::from(ifd.samples_per_pixel());
-        let (planes, depth) = if ifd.planar_configuration() == 2 { (bands, 1) } else { (1, bands) };
+        let (planes, depth) = if ifd.planar_configuration() == 2 {
+            (bands, 1)
+        } else {
+            (1, bands)
+        };
         let expected = u64::from(across) * u64::from(down) * planes;
         if offsets.len() as u64 != expected || counts.len() as u64 != expected {
             return Err(damaged(format!(
@@ -76,7 +97,9 @@ impl Blocks {
             ));
         }
         let compression = ifd.compression();
-        let packed = ifd.bits_per_sample().is_ok_and(|bits| bits.first().is_some_and(|&bits| bits < 8));
+        let packed = ifd
+            .bits_per_sample()
+            .is_ok_and(|bits| bits.first().is_some_and(|&bits| bits < 8));
         let mut sparse = Vec::new();
         for (index, (&offset, &count)) in offsets.iter().zip(&counts).enumerate() {
             if offset == 0 || count == 0 {
@@ -94,9 +117,14 @@ impl Blocks {
                 ));
             }
             // The last strip holds the rows that are left.
-            let down_at = (index as u64 % (u64::from(across) * u64::from(down))) / u64::from(across);
+            let down_at =
+                (index as u64 % (u64::from(across) * u64::from(down))) / u64::from(across);
             let left = u64::from(rows) - down_at * u64::from(height);
-            let needed = if tiled { bytes } else { bytes / u64::from(height) * left.min(u64::from(height)) };
+            let needed = if tiled {
+                bytes
+            } else {
+                bytes / u64::from(height) * left.min(u64::from(height))
+            };
             let most = match compression {
                 1 if packed => u64::MAX,
                 1 => count,
@@ -111,7 +139,13 @@ impl Blocks {
                 ));
             }
         }
-        Ok(Self { width, height, bytes: bytes as usize, across, sparse })
+        Ok(Self {
+            width,
+            height,
+            bytes: bytes as usize,
+            across,
+            sparse,
+        })
     }
 
     /// Decoded bytes of the blocks across the image.
@@ -126,7 +160,10 @@ impl Blocks {
         self.sparse[from..]
             .iter()
             .map(|&index| {
-                let (top, left) = (index / self.across * self.height, index % self.across * self.width);
+                let (top, left) = (
+                    index / self.across * self.height,
+                    index % self.across * self.width,
+                );
                 let bottom = top.saturating_add(self.height).min(rows.end);
                 let right = left.saturating_add(self.width).min(cols);
                 (top.max(rows.start)..bottom, left..right)

@@ -16,8 +16,13 @@ pub(super) struct Metadata<'a> {
 
 impl<'a> Metadata<'a> {
     pub(super) fn of(ifd: &'a Ifd) -> Self {
-        let text = ifd.tag(GDAL_METADATA).and_then(|tag| tag.value.as_str()).unwrap_or_default();
-        Self { items: text.split("<Item ").skip(1).filter_map(item).collect() }
+        let text = ifd
+            .tag(GDAL_METADATA)
+            .and_then(|tag| tag.value.as_str())
+            .unwrap_or_default();
+        Self {
+            items: text.split("<Item ").skip(1).filter_map(item).collect(),
+        }
     }
 
     pub(super) fn of_band(&self, role: &str, band: usize) -> Option<&'a str> {
@@ -28,7 +33,10 @@ impl<'a> Metadata<'a> {
     }
 
     pub(super) fn number(&self, role: &str, band: usize) -> Option<f64> {
-        self.of_band(role, band)?.parse().ok().filter(|value: &f64| value.is_finite())
+        self.of_band(role, band)?
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
     }
 }
 
@@ -40,7 +48,11 @@ fn item(text: &str) -> Option<(&str, usize, &str)> {
         let behind = attributes.split_once(&format!("{name}=\""))?.1;
         behind.split_once('"').map(|(value, _)| value)
     };
-    Some((attribute("role")?, attribute("sample")?.parse().ok()?, value.trim()))
+    Some((
+        attribute("role")?,
+        attribute("sample")?.parse().ok()?,
+        value.trim(),
+    ))
 }
 
 /// The value that stands for none.
@@ -50,7 +62,10 @@ pub(super) fn nodata(path: &Path, text: &str) -> Result<f64, TerrainError> {
         TerrainError::damaged(
             path,
             "its nodata tag (42113)",
-            format!("{:?} is not a number", text.chars().take(40).collect::<String>()),
+            format!(
+                "{:?} is not a number",
+                text.chars().take(40).collect::<String>()
+            ),
         )
     })
 }
@@ -75,7 +90,9 @@ pub(super) fn colour_roles(ifd: &Ifd) -> Vec<ColourRole> {
         _ => &[ColourRole::Gray],
     };
     let extra = ifd.tag(tiff_reader::constants::TAG_EXTRA_SAMPLES);
-    let extra = extra.and_then(|tag| tag.value.as_u64_vec()).unwrap_or_default();
+    let extra = extra
+        .and_then(|tag| tag.value.as_u64_vec())
+        .unwrap_or_default();
     let bands = usize::from(ifd.samples_per_pixel());
     (0..bands)
         .map(|band| match colours.get(band) {
