@@ -30,12 +30,17 @@ const GRADIENTS: [[f32; 2]; 16] = [
     [STEEP, -FLAT],
 ];
 
-fn gradient(x: i32, y: i32, seed: u32) -> [f32; 2] {
+/// Thirty-two bits of a lattice point's own.
+pub(super) fn hash(x: i32, y: i32, seed: u32) -> u32 {
     let mut hash =
         (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77) ^ seed;
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
     hash = (hash ^ (hash >> 12)).wrapping_mul(0x297a_2d39);
-    GRADIENTS[(hash >> 28) as usize]
+    hash ^ (hash >> 15)
+}
+
+fn gradient(x: i32, y: i32, seed: u32) -> [f32; 2] {
+    GRADIENTS[(hash(x, y, seed) >> 28) as usize]
 }
 
 /// Noise of wavelength 1 at a place.

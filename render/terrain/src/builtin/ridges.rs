@@ -1,19 +1,42 @@
-//! Mountains out of noise that look as if water had run over them.
+//! Mountains out of noise, cut by gullies as water would cut them.
 //!
-//! Ridged multifractal over warped ground (Musgrave), whose finer octaves are damped where the
-//! coarser ones are steep, so that crests stay sharp, flanks become smooth and valleys fill.
+//! Broad relief comes from a few octaves of gradient noise, ridged at the broadest. Gullies are
+//! stripes laid across the slope: around random centres, waves run along the contour, so that
+//! their troughs run downhill; the sum over near centres is smooth. Each octave takes the slope
+//! that the coarser ones have left, so that gullies branch. On level ground there are none.
+//!
+//! All of it is polynomials of place and seed: the same post is the same on every machine.
 
-use super::noise::noise;
+use super::noise::{hash, noise};
 
 /// Length of the broadest mountains, metres.
-const RANGE_LENGTH: f64 = 14_000.0;
-const OCTAVES: u32 = 9;
-/// Each octave is turned against the one before, so that no lattice shows.
-const TURN: (f64, f64) = (0.8, 0.6);
+const RANGE_LENGTH: f64 = 15_000.0;
+/// Length of a wave of the broadest gullies, metres.
+const GULLY_LENGTH: f64 = 2_600.0;
+const BROAD_OCTAVES: u32 = 4;
+const GULLY_OCTAVES: u32 = 5;
+/// Height of gullies over their length.
+const GULLY_DEPTH: f32 = 0.13;
+/// Cosine and sine of the turn from one octave to the next.
+const TURN: [f64; 2] = [0.8, 0.6];
 
 /// One world of mountains.
 pub(super) struct Ridges {
     seed: u32,
+}
+
+/// A height and its slope.
+#[derive(Clone, Copy)]
+struct Relief {
+    height: f32,
+    slope: [f32; 2],
+}
+
+impl Relief {
+    fn add(&mut self, height: f32, slope: [f32; 2]) {
+        self.height += height;
+        self.slope = [self.slope[0] + slope[0], self.slope[1] + slope[1]];
+    }
 }
 
 impl Ridges {
@@ -24,45 +47,123 @@ impl Ridges {
         }
     }
 
+    fn layer(&self, index: u32) -> u32 {
+        self.seed.wrapping_add(index.wrapping_mul(0x632b_e5ab))
+    }
+
     /// Height in metres at a place in metres.
     pub(super) fn height(&self, x: f64, y: f64) -> f32 {
-        let layer = |index: u32| self.seed.wrapping_add(index.wrapping_mul(0x632b_e5ab));
-        // Warp: ranges bend, spurs wander.
-        let (wx, wy) = (x / 11_000.0, y / 11_000.0);
-        let warp = [
-            noise(wx, wy, layer(100)).value + 0.4 * noise(wx * 2.7, wy * 2.7, layer(101)).value,
-            noise(wx, wy, layer(102)).value + 0.4 * noise(wx * 2.7, wy * 2.7, layer(103)).value,
-        ];
-        let (px, py) = (
-            x + 2_200.0 * f64::from(warp[0]),
-            y + 2_200.0 * f64::from(warp[1]),
-        );
-        // Where there are high ranges and where plains.
-        let land = noise(x / 38_000.0, y / 38_000.0, layer(104)).value;
-        let uplift = (0.62 + 0.6 * land).clamp(0.12, 1.15);
-
-        let (mut fx, mut fy) = (px / RANGE_LENGTH, py / RANGE_LENGTH);
-        let mut amplitude = 1.0_f32;
-        let mut sum = 0.0_f32;
-        let mut slope = [0.0_f32; 2];
-        let mut weight = 1.0_f32;
-        for octave in 0..OCTAVES {
-            let n = noise(fx, fy, layer(octave));
-            let crest = 1.0 - n.value.abs();
-            let ridge = crest * crest;
-            let towards = -2.0 * crest * n.value.signum();
-            let gain = amplitude * weight;
-            slope[0] += gain * towards * n.slope[0];
-            slope[1] += gain * towards * n.slope[1];
-            let damped = 1.0 + 0.35 * (slope[0] * slope[0] + slope[1] * slope[1]);
-            sum += gain * ridge / damped;
-            weight = (ridge * 1.6).clamp(0.0, 1.0);
-            amplitude *= 0.5;
-            (fx, fy) = (
-                2.03 * (TURN.0 * fx - TURN.1 * fy) + 17.3,
-                2.03 * (TURN.1 * fx + TURN.0 * fy) - 9.1,
-            );
+        let mut relief = self.broad(x, y);
+        // Valley floors and plains are filled; the higher, the deeper the cuts.
+        let exposed = smooth_step(150.0, 800.0, relief.height);
+        let (mut x, mut y) = (x, y);
+        let mut length = GULLY_LENGTH;
+        let mut share = GULLY_DEPTH;
+        for octave in 0..GULLY_OCTAVES {
+            let steepness = relief.slope[0].hypot(relief.slope[1]);
+            // Waves run along the contour, at full frequency where it is steep.
+            let along = 1.2 / (steepness + 0.05);
+            let wave = [-relief.slope[1] * along, relief.slope[0] * along];
+            let gully = gully(x / length, y / length, wave, self.layer(50 + octave));
+            let slope = share * exposed * (0.2 + 0.8 * smooth_step(0.0, 0.25, steepness));
+            let depth = slope * length as f32;
+            relief.add(depth * gully.height, gully.slope.map(|along| slope * along));
+            share *= 0.78;
+            length *= 0.49;
+            // Turned, so that no lattice shows through the octaves.
+            (x, y) = (TURN[0] * x - TURN[1] * y, TURN[1] * x + TURN[0] * y);
+            let [east, north] = relief.slope;
+            let turn = TURN.map(|part| part as f32);
+            relief.slope = [
+                turn[0] * east - turn[1] * north,
+                turn[1] * east + turn[0] * north,
+            ];
         }
-        250.0 + 2_300.0 * uplift * sum
+        relief.height
     }
+
+    /// Ranges, valleys and plains.
+    fn broad(&self, x: f64, y: f64) -> Relief {
+        // Ranges bend, spurs wander. The bend is broad enough to leave its slope out.
+        let bend = |layer| f64::from(noise(x / 17_000.0, y / 17_000.0, self.layer(layer)).value);
+        let (px, py) = (x + 2_600.0 * bend(100), y + 2_600.0 * bend(101));
+        let land = noise(x / 45_000.0, y / 45_000.0, self.layer(102)).value;
+        let uplift = 2_400.0 * (0.75 + 0.75 * land).clamp(0.15, 1.3);
+
+        // The broadest octave is a crest, rounded a little.
+        let n = noise(px / RANGE_LENGTH, py / RANGE_LENGTH, self.layer(0));
+        let rounded = (n.value * n.value + 0.006).sqrt();
+        let crest = 1.0 - rounded;
+        let per_metre = 2.0 * crest * -n.value / rounded / RANGE_LENGTH as f32 * uplift;
+        let mut relief = Relief {
+            height: uplift * crest * crest,
+            slope: n.slope.map(|slope| slope * per_metre),
+        };
+        let mut length = RANGE_LENGTH * 0.45;
+        let mut height = 0.30 * uplift;
+        for octave in 1..BROAD_OCTAVES {
+            let n = noise(px / length, py / length, self.layer(octave));
+            // Finer hills stand on the flanks rather than in the valleys.
+            let gain = height * (0.35 + 0.65 * crest);
+            relief.add(
+                gain * n.value,
+                n.slope.map(|slope| slope * gain / length as f32),
+            );
+            length *= 0.48;
+            height *= 0.46;
+        }
+        relief.height += 150.0;
+        relief
+    }
+}
+
+/// Waves around random centres near a place, in cells: 1 on crests, −1 in troughs; and the slope
+/// of that.
+fn gully(x: f64, y: f64, wave: [f32; 2], seed: u32) -> Relief {
+    let (cell_x, cell_y) = (x.floor(), y.floor());
+    let (u, v) = ((x - cell_x) as f32, (y - cell_y) as f32);
+    let (mut cosine, mut sine, mut weights) = (0.0_f32, 0.0_f32, 1e-6_f32);
+    for dy in -1..=1 {
+        for dx in -1..=1 {
+            let bits = hash(
+                (cell_x as i32).wrapping_add(dx),
+                (cell_y as i32).wrapping_add(dy),
+                seed,
+            );
+            let jitter = |bits: u32| 0.2 + (bits & 0xffff) as f32 * (0.6 / 65_536.0);
+            let across = u - dx as f32 - jitter(bits);
+            let up = v - dy as f32 - jitter(bits >> 16);
+            // No centre further than 1.2 cells counts, and none within is left out.
+            let near = (1.0 - (across * across + up * up) * (1.0 / (1.2 * 1.2))).max(0.0);
+            let weight = near * near * near;
+            let (s, c) = sine_cosine(across * wave[0] + up * wave[1]);
+            cosine += weight * c;
+            sine += weight * s;
+            weights += weight;
+        }
+    }
+    let (cosine, sine) = (cosine / weights, sine / weights);
+    // The root of 1 − cos makes crests sharp and leaves troughs round.
+    let trough = (0.5 * (1.0 - cosine) + 0.012).max(0.0).sqrt();
+    let slope = -std::f32::consts::FRAC_PI_2 * sine / trough;
+    Relief {
+        height: 1.0 - 2.0 * trough,
+        slope: wave.map(|along| slope * along),
+    }
+}
+
+/// Sine and cosine of an angle in turns, within 1e-3.
+fn sine_cosine(turns: f32) -> (f32, f32) {
+    let sine = |turns: f32| {
+        let t = turns - (turns + 0.5).floor();
+        // A parabola through the zeros and extremes, then bent to fit.
+        let parabola = 8.0 * t - 16.0 * t * t.abs();
+        parabola * (0.776 + 0.224 * parabola.abs())
+    };
+    (sine(turns), sine(turns + 0.25))
+}
+
+fn smooth_step(from: f32, to: f32, at: f32) -> f32 {
+    let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }

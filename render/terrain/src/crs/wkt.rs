@@ -152,7 +152,8 @@ fn datum(element: &Element) -> Result<(Datum, f64), WktError> {
     let meridian = element
         .child("PRIMEM")
         .and_then(|meridian| meridian.number(1));
-    let meridian = meridian.unwrap_or(0.0) * unit;
+    // Writers give the meridian in degrees, whatever the unit of the other angles.
+    let meridian = meridian.unwrap_or(0.0);
     check(meridian.abs() <= 180.0, "the prime meridian", meridian)?;
     let shift = datum.child("TOWGS84").map(|shift| {
         std::array::from_fn(|index| shift.number(index).filter(|v| v.is_finite()).unwrap_or(0.0))

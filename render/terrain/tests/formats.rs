@@ -1,0 +1,268 @@
+//! Every sample type, layout, compression and predictor reads as it was written. `fixtures/make.py`
+//! says what the files hold.
+
+use sandtable_terrain::{
+    FileInfo, Ground, PixelIs, SampleType, SampleValue, Terrain, TerrainError, TerrainSource, info,
+    open,
+};
+use std::path::{Path, PathBuf};
+
+const COLS: u32 = 40;
+const ROWS: u32 = 33;
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/fixtures")
+        .join(name)
+        .with_extension("tif")
+}
+
+fn terrain(name: &str) -> Terrain {
+    open(&TerrainSource::File(fixture(name)), None).unwrap()
+}
+
+fn all_cells() -> Vec<(u32, u32)> {
+    (0..ROWS)
+        .flat_map(|row| (0..COLS).map(move |col| (col, row)))
+        .collect()
+}
+
+fn described(name: &str) -> FileInfo {
+    info(&fixture(name), &all_cells()).unwrap()
+}
+
+fn in_disc(col: u32, row: u32) -> bool {
+    (col as i32 - 20).pow(2) + (row as i32 - 16).pow(2) < 10
+}
+
+/// The value of a cell, by its type's base.
+fn value(base: f64, col: u32, row: u32) -> f64 {
+    let shape = f64::from((37 * col + 101 * row) % 211 + (col * row) % 7) / 2.0 + base;
+    if base.fract() == 0.0 {
+        shape.floor()
+    } else {
+        shape
+    }
+}
+
+const TYPES: [(&str, SampleType, f64); 8] = [
+    ("int8", SampleType::Int8, -70.0),
+    ("uint8", SampleType::Byte, 20.0),
+    ("int16", SampleType::Int16, -1000.0),
+    ("uint16", SampleType::UInt16, 40_000.0),
+    ("int32", SampleType::Int32, -100_000.0),
+    ("uint32", SampleType::UInt32, 3e9),
+    ("float32", SampleType::Float32, -1000.125),
+    ("float64", SampleType::Float64, -1000.0625),
+];
+
+fn check(name: &str, sample: SampleType, base: f64) {
+    let found = described(name);
+    assert_eq!(found.dtype, [sample], "{name}");
+    assert_eq!(
+        (found.band_info[0].valid, found.band_info[0].invalid),
+        (1291, 29),
+        "{name}"
+    );
+    for cell in &found.samples {
+        let (col, row) = (cell.col, cell.row);
+        assert_eq!(cell.nodata, in_disc(col, row), "{name} at {col}, {row}");
+        if !cell.nodata {
+            let expected = value(base, col, row);
+            let expected = if sample.is_integer() {
+                SampleValue::Integer(expected as i64)
+            } else {
+                SampleValue::Real(expected)
+            };
+            assert_eq!(cell.value, expected, "{name} at {col}, {row}");
+        }
+    }
+    let ground = terrain(name).ground;
+    let holes = ground.holes().unwrap();
+    for (col, row) in all_cells() {
+        let north_up = ROWS - 1 - row;
+        assert_eq!(
+            holes.contains(col, north_up),
+            in_disc(col, row),
+            "{name} at {col}, {row}"
+        );
+        if !in_disc(col, row) {
+            let height = ground.heights().post(col, north_up);
+            assert_eq!(
+                height,
+                value(base, col, row) as f32,
+                "{name} at {col}, {row}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_type_layout_compression_and_predictor_reads_as_written() {
+    let mut files = 0;
+    for (kind, sample, base) in TYPES {
+        for layout in ["strips", "tiles"] {
+            for (compression, predictors) in [("none", 1..=1), ("lzw", 1..=3), ("deflate", 1..=3)] {
+                for predictor in predictors {
+                    let name = format!("{kind}_{layout}_{compression}_{predictor}");
+                    // Only floating-point samples have the third predictor.
+                    if predictor < 3 || !sample.is_integer() {
+                        check(&name, sample, base);
+                        files += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(files, 88);
+}
+
+#[test]
+fn byte_order_big_files_zstd_and_overviews_change_nothing() {
+    check("big_endian", SampleType::Int16, -1000.0);
+    check("big_endian_float", SampleType::Float32, -1000.125);
+    check("bigtiff", SampleType::Int16, -1000.0);
+    check("zstd", SampleType::Float32, -1000.125);
+    check("overviews", SampleType::Float32, -1000.125);
+    assert_eq!(described("overviews").overviews, 1);
+}
+
+#[test]
+fn pixel_is_point_files_lie_where_pixel_is_area_files_do() {
+    let (point, area) = (described("point"), described("int16_strips_deflate_2"));
+    assert_eq!(point.area_or_point, Some(PixelIs::Point));
+    assert_eq!(area.area_or_point, Some(PixelIs::Area));
+    assert_eq!(point.geotransform, area.geotransform);
+    check("point", SampleType::Int16, -1000.0);
+    // The world's origin is the south-west post, half a cell within the outer edge.
+    let origin = terrain("point").georeference.origin;
+    assert_eq!((origin.x, origin.y), (500_012.5, 4_000_012.5));
+}
+
+#[test]
+fn scale_offset_and_feet_are_applied_and_said() {
+    let terrain = terrain("feet");
+    let height = terrain.ground.heights().post(3, ROWS - 1);
+    let expected = (value(-1000.0, 3, 0) * 0.1 + 10.0) * 0.3048;
+    assert!(
+        (f64::from(height) - expected).abs() < 1e-4,
+        "{height} against {expected}"
+    );
+    assert!(
+        terrain.notes.iter().any(|note| note.contains("0.1")),
+        "{:?}",
+        terrain.notes
+    );
+    assert!(
+        terrain.notes.iter().any(|note| note.contains("ft")),
+        "{:?}",
+        terrain.notes
+    );
+    // What is stored is what info tells.
+    let stored = described("feet");
+    assert_eq!(
+        stored.samples[3].value,
+        SampleValue::Integer(value(-1000.0, 3, 0) as i64)
+    );
+}
+
+#[test]
+fn coordinates_in_survey_feet_become_metres() {
+    let spacing = terrain("us_feet").ground.grid().spacing;
+    assert!(
+        (spacing.x - 25.0 * 1200.0 / 3937.0).abs() < 1e-9 && spacing.x == spacing.y,
+        "{spacing}"
+    );
+}
+
+#[test]
+fn blocks_that_are_left_out_are_nodata() {
+    let found = described("sparse");
+    assert_eq!(found.band_info[0].valid, 256);
+    for cell in found.samples {
+        assert_eq!(cell.nodata, cell.col >= 16 || cell.row >= 16);
+    }
+    assert_eq!(
+        terrain("sparse").ground.holes().unwrap().count(),
+        1320 - 256
+    );
+}
+
+fn refusal(name: &str) -> TerrainError {
+    open(&TerrainSource::File(fixture(name)), None).unwrap_err()
+}
+
+#[test]
+fn what_cannot_be_terrain_is_refused_with_a_remedy() {
+    assert!(matches!(refusal("rotated"), TerrainError::Rotated { .. }));
+    assert!(refusal("rotated").to_string().contains("gdalwarp"));
+    assert!(matches!(
+        refusal("nowhere"),
+        TerrainError::NoGeoreference { .. }
+    ));
+    assert!(matches!(
+        refusal("all_nodata"),
+        TerrainError::AllNodata { cells: 1320, .. }
+    ));
+    // A raster that is no terrain can be described all the same.
+    assert_eq!(described("nowhere").geotransform, None);
+    assert_eq!(described("all_nodata").band_info[0].mean, None);
+}
+
+/// The ground under a photograph, on the same 40 by 33 cells.
+fn photographed(name: &str) -> (Ground, Vec<String>) {
+    let source = TerrainSource::File(fixture("int16_tiles_none_1"));
+    let terrain = open(&source, Some(&fixture(name))).unwrap();
+    (terrain.ground, terrain.notes)
+}
+
+#[test]
+fn photographs_in_every_arrangement_give_their_colours() {
+    for name in ["photo_pixel", "photo_planar"] {
+        let (ground, _) = photographed(name);
+        let photo = ground.photo().unwrap();
+        assert_eq!((photo.origin.x, photo.origin.y), (0.0, 0.0));
+        for (col, row) in all_cells() {
+            let expected = [5 * col as u8, 6 * row as u8, 7, 255];
+            assert_eq!(
+                photo.pixels.post(col, ROWS - 1 - row),
+                expected,
+                "{name} at {col}, {row}"
+            );
+        }
+    }
+    let (ground, _) = photographed("photo_grey");
+    assert_eq!(ground.photo().unwrap().pixels.post(9, 0), [45, 45, 45, 255]);
+}
+
+#[test]
+fn transparent_and_masked_pixels_are_not_covered() {
+    for name in ["photo_alpha", "photo_mask"] {
+        let (ground, _) = photographed(name);
+        let photo = ground.photo().unwrap();
+        for (col, row) in all_cells() {
+            let [red, .., cover] = photo.pixels.post(col, ROWS - 1 - row);
+            assert_eq!(cover == 0, in_disc(col, row), "{name} at {col}, {row}");
+            // JPEG keeps colours roughly.
+            assert!(
+                cover == 0 || red.abs_diff(5 * col as u8) < 12,
+                "{name}: {red} at {col}, {row}"
+            );
+        }
+    }
+}
+
+#[test]
+fn sixteen_bits_are_stretched_and_said() {
+    let (ground, notes) = photographed("photo_16");
+    let photo = ground.photo().unwrap();
+    assert_eq!(photo.pixels.post(0, ROWS - 1)[..3], [0, 0, 0]);
+    let brightest = photo.pixels.post(COLS - 1, 0);
+    assert!(brightest[0] > 250 && brightest[3] == 255, "{brightest:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("16-bit") && note.contains("1000")),
+        "{notes:?}"
+    );
+}
