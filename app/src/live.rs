@@ -92,22 +92,22 @@ impl Live {
 impl Show for Live {
     fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity {
         let mut drive = *drive;
-        if let Some(gamepads) = &mut self.gamepads {
-            if let Some(state) = gamepads.poll() {
-                let axes = map_gamepad(&state, &self.session.rig().gamepad);
-                drive.axes = drive.axes.combined(axes);
-            }
+        let pad = self.gamepads.as_mut().and_then(Gamepads::poll);
+        if let Some(pad) = &pad {
+            let axes = map_gamepad(pad, &self.session.rig().gamepad);
+            drive.axes = drive.axes.combined(axes);
         }
-        let mut moving = self.session.drive(&drive, step);
+        // A gamepad has no event that would wake the window: while one is there, it is asked.
+        let mut moving = self.session.drive(&drive, step) || pad.is_some();
         match &mut self.timeline {
             Timeline::Live { clock, tape, .. } => {
                 let time = clock.now();
                 self.session.set_time(time);
                 moving |= !self.session.rig().devices.is_empty();
-                if let Some(tape) = tape {
-                    if let Err(error) = tape.follow(&self.session, time) {
-                        self.session.say(format!("{error:#}"));
-                    }
+                if let Some(tape) = tape
+                    && let Err(error) = tape.follow(&self.session, time)
+                {
+                    self.session.say(format!("{error:#}"));
                 }
             }
             Timeline::Replayed { .. } => {
@@ -118,8 +118,6 @@ impl Show for Live {
         if let Some((control, _)) = &mut self.sound {
             control.set(self.session.soundscape(self.summit));
         }
-        // A gamepad has no event that would wake the window.
-        moving |= self.gamepads.as_ref().is_some_and(Gamepads::any);
         if moving {
             Activity::Moving
         } else {

@@ -56,9 +56,7 @@ impl Tape {
         start: Nanos,
     ) -> Result<Self> {
         let placement = session.placement();
-        let value = placement
-            .map(|placement| serde_json::to_value(placement))
-            .transpose()?;
+        let value = placement.map(serde_json::to_value).transpose()?;
         let recorder = Recorder::create(path, session.rig(), value.as_ref(), start)?;
         let recorded = RecordedTerrain {
             source: terrain.source().to_owned(),

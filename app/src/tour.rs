@@ -30,7 +30,7 @@ impl Tour {
             centre + radii * DVec2::new(angle.cos(), angle.sin())
         };
         let relief: Vec<f64> = (0..STATIONS)
-            .map(|station| place(station))
+            .map(place)
             .map(|at| ground.height_at(at.x, at.y).unwrap_or(low))
             .collect();
         // Over the highest of the neighbouring stations, then averaged: it rises before a ridge.

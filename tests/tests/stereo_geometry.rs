@@ -18,9 +18,11 @@ const EYES: [DVec3; 3] = [
 
 fn cast(scene: &Arc<Scene>, views: &[View]) -> Vec<Image> {
     let mut images = vec![Image::default(); views.len()];
-    CastPool::new(2)
-        .unwrap()
-        .cast(&*Brute.prepare(Arc::clone(scene)), views, &mut images);
+    CastPool::new(2).expect("two threads").cast(
+        &*Brute.prepare(Arc::clone(scene)),
+        views,
+        &mut images,
+    );
     images
 }
 

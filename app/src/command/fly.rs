@@ -102,7 +102,7 @@ fn in_window(
     let rig = session.rig();
     let options = WindowOptions {
         title: format!("sandtable: {}", session.terrain()),
-        size: args.size.unwrap_or_else(|| match &rig.viewing {
+        size: args.size.unwrap_or(match &rig.viewing {
             Viewing::Table(table) => table.pixels,
             Viewing::Desktop(_) => [1280, 800],
         }),

@@ -1,6 +1,6 @@
 //! A head or a hand: tracked, or at rest where the mouse may move it.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use sandtable_config::SensorName;
 use sandtable_input::Hub;
 use sandtable_pose::{Nanos, Rigid, Validity};
@@ -72,13 +72,6 @@ impl Body {
     /// Puts it at `to` in table metres, unless it is tracked.
     pub(crate) fn place(&mut self, to: DVec3) {
         self.push(to - self.table_from_body.translation);
-    }
-
-    /// Turns it about its own place, unless it is tracked.
-    pub(crate) fn turn(&mut self, by: DQuat) {
-        if !self.is_tracked() {
-            self.table_from_body.rotation = (by * self.table_from_body.rotation).normalize();
-        }
     }
 
     /// How it is, for the panel: "flock/1 live", "at rest".

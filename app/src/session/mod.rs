@@ -19,7 +19,7 @@ use sandtable_config::{Rig, Viewing};
 use sandtable_input::Hub;
 use sandtable_pose::Nanos;
 use sandtable_terrain::Ground;
-use sandtable_view::{Eyes, EyesInHead, Placement, Screen, Stereo, StereoPair, View};
+use sandtable_view::{EyesInHead, Placement, Screen, Stereo, StereoPair, View};
 use std::sync::Arc;
 
 /// Where people look from.
@@ -154,14 +154,6 @@ impl Session {
         self.time = time;
         self.head.follow(&self.hub, time);
         self.hand.follow(&self.hub, time);
-    }
-
-    /// The eyes in table metres, at a table.
-    pub(crate) fn eyes(&self) -> Option<Eyes> {
-        match &self.viewpoint {
-            Viewpoint::Camera { .. } => None,
-            Viewpoint::Table { eyes, .. } => Some(eyes.on_table(&self.head.table_from_body())),
-        }
     }
 
     /// The views for eye images of `size` pixels: one, or a left and a right eye's.

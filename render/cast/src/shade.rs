@@ -24,15 +24,22 @@ pub(crate) fn shade(
     }
 }
 
-/// The sky's colour along `direction`: pale at the horizon, bluer above; below the horizon, where a
-/// ray has passed the terrain's edge, a dark that lets the relief stand out on the table.
+/// The sky's colour along `direction`: pale at the horizon and bluer above. Below the horizon, where
+/// a ray has passed the terrain's edge, haze goes over into a dark that lets the relief stand out
+/// on a table.
 #[inline]
 fn sky(direction: DVec3) -> [u8; 3] {
+    const HORIZON: [f32; 3] = [200.0, 216.0, 232.0];
+    const ZENITH: [f32; 3] = [84.0, 138.0, 206.0];
+    const DEPTHS: [f32; 3] = [24.0, 28.0, 34.0];
+    /// The sine of the angle under the horizon at which the haze ends.
+    const HAZE: f64 = 0.35;
     let up = direction.z / direction.length();
-    if up < 0.0 {
-        return [24, 28, 34];
-    }
-    let share = up.sqrt() as f32;
-    let mix = |low: f32, high: f32| (low + (high - low) * share + 0.5) as u8;
-    [mix(200.0, 84.0), mix(216.0, 138.0), mix(232.0, 206.0)]
+    let (far, share) = if up >= 0.0 {
+        (ZENITH, up.sqrt())
+    } else {
+        let below = (-up / HAZE).min(1.0);
+        (DEPTHS, below * (2.0 - below))
+    };
+    std::array::from_fn(|k| (HORIZON[k] + (far[k] - HORIZON[k]) * share as f32 + 0.5) as u8)
 }

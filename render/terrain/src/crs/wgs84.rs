@@ -11,7 +11,9 @@ pub enum PlaceError {
     #[error("the terrain does not say where on Earth it lies")]
     NoCrs,
     /// The terrain's system cannot be computed here.
-    #[error("the coordinate system {0} is not computed here; gdalwarp brings the terrain to EPSG:4326")]
+    #[error(
+        "the coordinate system {0} is not computed here; gdalwarp brings the terrain to EPSG:4326"
+    )]
     NotComputed(String),
     /// The system has no coordinates for the place.
     #[error("{longitude}° east, {latitude}° north has no coordinates in the terrain's system")]
@@ -45,7 +47,11 @@ impl Crs {
             .as_ref()
             .map_or(1f64.to_radians(), |projection| projection.metres_per_unit);
         let place = DVec2::new(point.0, point.1) / unit;
-        if place.is_finite() { Ok(place) } else { Err(no_coordinates()) }
+        if place.is_finite() {
+            Ok(place)
+        } else {
+            Err(no_coordinates())
+        }
     }
 }
 
@@ -58,7 +64,10 @@ mod tests {
         // As PROJ 9.1.1 gives them: cs2cs EPSG:4326 EPSG:32632.
         let utm = Crs::from_epsg(32632).unwrap();
         let at = utm.from_wgs84(DVec2::new(9.0, 47.0)).unwrap();
-        assert!((at - DVec2::new(500_000.0, 5_205_164.110_152)).length() < 1e-3, "{at}");
+        assert!(
+            (at - DVec2::new(500_000.0, 5_205_164.110_152)).length() < 1e-3,
+            "{at}"
+        );
         let at = Crs::wgs84().from_wgs84(DVec2::new(9.0, 47.0)).unwrap();
         assert!((at - DVec2::new(9.0, 47.0)).length() < 1e-9);
     }
