@@ -1,8 +1,27 @@
 //! Terrain: from elevation files and photographs to the ground that casters see.
 //!
+//! ```text
+//! GeoTIFF | HGT | ASCII grid --rows--> heights in tiles --fill holes--> Ground <-- Photo
+//!                 |                                                      ^          ^
+//!                 +--> Header (place, CRS) --> Georeference -------------+----------+
+//! ```
+//!
 //! World frame: metres, x east, y north, z up, f64; the origin is the south-west post, z is the
 //! stored height. A *post* is an elevation sample, a *cell* the rectangle between four posts. The
 //! terrain is solid: all below the bilinear surface over the rectangle of its posts.
+//!
+//! ```
+//! use sandtable_terrain::{TerrainSource, open};
+//!
+//! let source: TerrainSource = "builtin:jacksboro".parse()?;
+//! let terrain = open(&source, None)?;
+//! assert_eq!(terrain.ground.range(), [236.0, 1076.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`open`] holds one row of tiles beside the ground, never a second copy of a file. [`info`]
+//! describes a file without keeping it. Limits: north-up rasters of up to 2²⁹ cells, strips and
+//! tiles of up to 64 MiB; PNG and JPEG of up to 256 MiB decoded; horizontal datums only.
 //!
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 

@@ -104,8 +104,9 @@ fn edges(
     };
     let [west, dx, skew_x, north, skew_y, dy] = transform;
     let (east, south) = (west + dx * f64::from(cols), north + dy * f64::from(rows));
+    let finite = transform.iter().all(|value| value.is_finite());
     let upright = dx > 0.0 && dy < 0.0 && skew_x == 0.0 && skew_y == 0.0;
-    if !upright || !(east > west && north > south && (east - west + north - south).is_finite()) {
+    if !(finite && upright && east > west && north > south) {
         return Err(TerrainError::Rotated {
             path: path.to_owned(),
             transform,

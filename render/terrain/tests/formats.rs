@@ -1,6 +1,8 @@
 //! Every sample type, layout, compression and predictor reads as it was written. `fixtures/make.py`
 //! says what the files hold.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use sandtable_terrain::{
     FileInfo, Ground, PixelIs, SampleType, SampleValue, Terrain, TerrainError, TerrainSource, info,
     open,

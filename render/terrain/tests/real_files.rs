@@ -1,5 +1,7 @@
 //! Every file of `../shared/data` reads as GDAL reads it, and opens as terrain or photograph.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use sandtable_terrain::{Crs, FileInfo, TerrainSource, info, open};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -43,11 +43,17 @@ fn gradient(x: i32, y: i32, seed: u32) -> [f32; 2] {
     GRADIENTS[(hash(x, y, seed) >> 28) as usize]
 }
 
+/// The whole number at or below a coordinate, and what is left. A call of floor is slow where the
+/// processor has no word for it.
+pub(super) fn cell(at: f64) -> (i32, f32) {
+    let towards_zero = at as i32;
+    let whole = towards_zero - i32::from(at < f64::from(towards_zero));
+    (whole, (at - f64::from(whole)) as f32)
+}
+
 /// Noise of wavelength 1 at a place.
 pub(super) fn noise(x: f64, y: f64, seed: u32) -> Noise {
-    let (cell_x, cell_y) = (x.floor(), y.floor());
-    let (u, v) = ((x - cell_x) as f32, (y - cell_y) as f32);
-    let (cx, cy) = (cell_x as i32, cell_y as i32);
+    let ((cx, u), (cy, v)) = (cell(x), cell(y));
     let corner = |dx: i32, dy: i32| {
         let [gx, gy] = gradient(cx.wrapping_add(dx), cy.wrapping_add(dy), seed);
         (gx, gy, gx * (u - dx as f32) + gy * (v - dy as f32))

@@ -50,6 +50,7 @@ impl AsciiGrid {
         let mut words = Words {
             path: path.to_owned(),
             reader: BufReader::with_capacity(1 << 16, file),
+            text: Vec::with_capacity(32),
             line: 1,
             bytes: 0,
         };
@@ -136,34 +137,32 @@ impl AsciiGrid {
     }
 
     fn value(&mut self) -> Result<f64, TerrainError> {
-        let word = match self.first.take() {
-            Some(word) => Some(word),
-            None => self.words.next()?,
+        let (line, value) = match self.first.take() {
+            Some(word) => (word.line, word.number()),
+            None if self.words.advance()? => (self.words.line, parse(&self.words.text)),
+            None => return Err(self.ended_early()),
         };
-        let Some(word) = word else {
-            let width = u64::from(self.header.width);
-            self.count(self.words.line + 1);
-            return Err(match self.uneven {
-                Some((line, values)) => self.error(
-                    line,
-                    format!(
-                        "{values} values stand where a row has {width}, and the file ends early"
-                    ),
-                ),
-                None => self.error(self.words.line, "the file ends before the last row".into()),
-            });
-        };
-        self.count(word.line);
-        let value = word.number().ok_or_else(|| {
-            self.error(
-                word.line,
-                format!("{:?} stands where a number should", word.text),
-            )
+        self.count(line);
+        let value = value.ok_or_else(|| {
+            let text = String::from_utf8_lossy(&self.words.text);
+            self.error(line, format!("{text:?} stands where a number should"))
         })?;
-        if value.fract() != 0.0 || !value.is_finite() || value.abs() > 2_147_483_648.0 {
+        if value.fract() != 0.0 || value.abs() > 2_147_483_648.0 {
             self.header.sample = SampleType::Float32;
         }
         Ok(value)
+    }
+
+    fn ended_early(&mut self) -> TerrainError {
+        self.count(self.words.line + 1);
+        let width = self.header.width;
+        match self.uneven {
+            Some((line, values)) => self.error(
+                line,
+                format!("{values} values stand where a row has {width}, and the file ends early"),
+            ),
+            None => self.error(self.words.line, "the file ends before the last row".into()),
+        }
     }
 
     /// Counts values a line, to name the first that is uneven should their sum be wrong.
@@ -337,6 +336,8 @@ impl Keys {
 struct Words {
     path: PathBuf,
     reader: BufReader<std::fs::File>,
+    /// The last word.
+    text: Vec<u8>,
     line: u64,
     /// Bytes read so far.
     bytes: u64,
@@ -349,7 +350,16 @@ struct Word {
 
 impl Words {
     fn next(&mut self) -> Result<Option<Word>, TerrainError> {
-        let mut text = Vec::with_capacity(16);
+        let there = self.advance()?;
+        Ok(there.then(|| Word {
+            text: String::from_utf8_lossy(&self.text).into_owned(),
+            line: self.line,
+        }))
+    }
+
+    /// Reads a word into `text`; false where the file ends.
+    fn advance(&mut self) -> Result<bool, TerrainError> {
+        self.text.clear();
         loop {
             let buffer = self
                 .reader
@@ -357,23 +367,22 @@ impl Words {
                 .map_err(|source| TerrainError::io(&self.path, source))?;
             let mut used = 0;
             let mut ended = buffer.is_empty();
-            let line = self.line;
             for &byte in buffer {
                 let space = byte.is_ascii_whitespace() || byte == 0;
-                if space && !text.is_empty() {
+                if space && !self.text.is_empty() {
                     ended = true;
                     break;
                 }
                 used += 1;
                 if !space {
-                    text.push(byte);
+                    self.text.push(byte);
                 } else if byte == b'\n' {
                     self.line += 1;
                 }
-                if text.len() > MAX_WORD {
+                if self.text.len() > MAX_WORD {
                     return Err(TerrainError::AsciiGrid {
                         path: self.path.clone(),
-                        line,
+                        line: self.line,
                         problem: format!(
                             "a word of more than {MAX_WORD} bytes stands where a number should"
                         ),
@@ -383,11 +392,7 @@ impl Words {
             self.reader.consume(used);
             self.bytes += used as u64;
             if ended {
-                let word = Word {
-                    text: String::from_utf8_lossy(&text).into_owned(),
-                    line: self.line,
-                };
-                return Ok((!text.is_empty()).then_some(word));
+                return Ok(!self.text.is_empty());
             }
         }
     }
@@ -400,6 +405,23 @@ impl Word {
     }
 
     fn number(&self) -> Option<f64> {
-        self.text.parse().ok()
+        parse(self.text.as_bytes())
     }
+}
+
+/// The number that a word writes. Most are short and whole, and need no general parser.
+fn parse(text: &[u8]) -> Option<f64> {
+    let digits = text.strip_prefix(b"-").unwrap_or(text);
+    if (1..=9).contains(&digits.len()) && digits.iter().all(u8::is_ascii_digit) {
+        let whole = digits
+            .iter()
+            .fold(0_u32, |sum, digit| sum * 10 + u32::from(digit - b'0'));
+        let value = f64::from(whole);
+        return Some(if digits.len() < text.len() {
+            -value
+        } else {
+            value
+        });
+    }
+    std::str::from_utf8(text).ok()?.parse().ok()
 }
