@@ -43,6 +43,19 @@ pub enum FlockError {
         /// The port's path.
         port: String,
     },
+    /// Bytes come, but no records.
+    #[error(
+        "{port} sends bytes, but no records of {whom} came in 2 s; check that the switches say \
+         {baud} baud, and `group` and `birds` in the rig"
+    )]
+    NoRecords {
+        /// The port's path.
+        port: String,
+        /// Whose records are missing.
+        whom: String,
+        /// The rig's speed.
+        baud: u32,
+    },
     /// The system status did not come.
     #[error(
         "the Flock on {port} does not answer ({got} of {SYSTEM_STATUS_LENGTH} status bytes came); \
@@ -252,8 +265,10 @@ impl Driver {
 
     fn read_stream(&mut self, port: &mut dyn SerialPort) -> Result<Stopped, FlockError> {
         let mut buffer = [0; 512];
-        let mut heard = Instant::now();
-        let mut streaming = false;
+        let start = Instant::now();
+        let (mut heard, mut understood) = (start, start);
+        let mut complete = false;
+        let mut records = self.stream.counts().decoder.records;
         loop {
             if self.pause(Duration::ZERO).is_err() {
                 return Ok(Stopped);
@@ -262,17 +277,43 @@ impl Driver {
             let arrival: Nanos = self.outlet.now();
             if count > 0 {
                 heard = Instant::now();
-                if !streaming {
-                    streaming = true;
-                    self.streaming();
-                }
                 self.outlet
                     .bytes(&buffer[..count], arrival, &mut self.stream);
-            } else if heard.elapsed() >= SILENCE {
+            }
+            let now_records = self.stream.counts().decoder.records;
+            if now_records > records {
+                records = now_records;
+                understood = Instant::now();
+            }
+            if heard.elapsed() >= SILENCE {
                 return Err(FlockError::Silent {
                     port: self.flock.port.clone(),
                 });
             }
+            // A lost command leaves a bird in another format, or the birds without addresses.
+            if understood.elapsed() >= SILENCE {
+                return Err(self.no_records("any bird".to_owned()));
+            }
+            if !complete {
+                match self.stream.missing_bird() {
+                    None => {
+                        complete = true;
+                        self.streaming();
+                    }
+                    Some(bird) if start.elapsed() >= SILENCE => {
+                        return Err(self.no_records(format!("bird {bird}")));
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+    }
+
+    fn no_records(&self, whom: String) -> FlockError {
+        FlockError::NoRecords {
+            port: self.flock.port.clone(),
+            whom,
+            baud: self.flock.baud,
         }
     }
 

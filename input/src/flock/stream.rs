@@ -112,6 +112,13 @@ impl FlockStream {
         }
     }
 
+    /// The first bird of which no record has come since the stream was made or restarted.
+    #[must_use]
+    pub fn missing_bird(&self) -> Option<u32> {
+        let missing = |(number, bird): (u32, &Bird)| bird.words.is_none().then_some(number);
+        (1..).zip(&self.birds).find_map(missing)
+    }
+
     /// What it has seen.
     #[must_use]
     pub fn counts(&self) -> StreamCounts {

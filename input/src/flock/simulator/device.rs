@@ -278,7 +278,9 @@ impl SimulatedFlock {
                 self.units[unit].full_scale = inches * 0.0254;
             }
             [command] => {
-                if let Some(format) = Format::of_command(command) {
+                if let Some(format) = Format::of_command(command)
+                    && !self.settings.faults.keep_format
+                {
                     self.units[unit].format = format;
                 }
             }
@@ -452,7 +454,7 @@ mod tests {
             faults: Faults {
                 drop_every: Some(50),
                 stalls: vec![(ms(500), ms(1000))],
-                freeze_at: None,
+                ..Faults::default()
             },
             ..three()
         });

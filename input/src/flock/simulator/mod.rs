@@ -66,6 +66,8 @@ pub struct Faults {
     pub stalls: Vec<(Duration, Duration)>,
     /// From here on every record is the same to the bit.
     pub freeze_at: Option<Duration>,
+    /// Birds keep the format that they power up with, as when the command for it was lost.
+    pub keep_format: bool,
 }
 
 impl Faults {
