@@ -31,7 +31,7 @@ run: deps runtime ## Open the table; without a display, write a flight; ARGS="..
 test: deps-test runtime ## Run all tests
 	$(CARGO) test --workspace --locked
 
-lint: runtime ## Check format, lints and documentation
+lint: deps runtime ## Check format, lints and documentation
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
