@@ -57,12 +57,14 @@ mod unix {
             },
             ..SimulatorSettings::default()
         };
-        let simulator = Simulator::start(settings, args.link.as_deref())?;
+        // Listened to from the start: no signal may end the program with its link still there.
         let stop = interrupt::channel()?;
+        let simulator = Simulator::start(settings, args.link.as_deref())?;
         // The path stands alone on its line, for scripts; it must not wait in a buffer.
         let path = args.link.as_deref().unwrap_or(simulator.path());
-        println!("{}", path.display());
-        std::io::stdout().flush()?;
+        let mut out = std::io::stdout();
+        writeln!(out, "{}", path.display())?;
+        out.flush()?;
         eprintln!(
             "a Flock of {birds} birds at {} baud; Ctrl-C ends it",
             args.baud

@@ -133,10 +133,11 @@ fn run(port: &mut TTYPort, mut flock: SimulatedFlock, stop: &AtomicBool) {
 
 fn make_link(target: &Path, link: &Path) -> Result<(), SimulatorError> {
     if let Ok(metadata) = std::fs::symlink_metadata(link) {
-        // A simulator that was killed leaves its link behind, to a terminal that is gone.
+        // A simulator that was killed leaves its link behind, to a terminal that is gone; or whose
+        // number is free again, and then it may be the very number that ours has got.
         let stale = metadata.is_symlink()
             && std::fs::read_link(link)
-                .is_ok_and(|old| old.starts_with("/dev/pts") && !old.exists());
+                .is_ok_and(|old| old.starts_with("/dev/pts") && (!old.exists() || old == target));
         if !stale {
             return Err(SimulatorError::LinkTaken {
                 path: link.to_owned(),
