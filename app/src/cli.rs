@@ -248,13 +248,16 @@ pub(crate) struct BenchArgs {
     #[arg(long)]
     pub(crate) check: bool,
 
-    /// Print JSON.
+    /// Print JSON: a list with an object for each caster, view and number of threads. Under `check`,
+    /// `max_cells` is null where sky and ground were taken for each other, `psnr_db` where the images
+    /// are identical.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sandtable simulate flock --birds 2 --link /tmp/flock")]
 pub(crate) struct SimulateArgs {
     /// Which device.
     #[command(subcommand)]
@@ -280,7 +283,7 @@ pub(crate) struct SimulateFlockArgs {
     pub(crate) birds: u8,
 
     /// The line's speed, which paces the stream.
-    #[arg(long, value_name = "B", default_value_t = 115_200)]
+    #[arg(long, value_name = "B", default_value_t = 115_200, value_parser = parse_baud)]
     pub(crate) baud: u32,
 
     /// Make a link at PATH to the pseudo-terminal, removed at the end.
@@ -344,6 +347,15 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         Err(_) => Err(wanted()),
     };
     Ok([side(width)?, side(height)?])
+}
+
+/// A speed that a Flock's switches can say.
+fn parse_baud(text: &str) -> Result<u32, String> {
+    const KNOWN: [u32; 7] = [2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200];
+    text.parse()
+        .ok()
+        .filter(|baud| KNOWN.contains(baud))
+        .ok_or_else(|| format!("a Flock's line has one of {KNOWN:?} baud"))
 }
 
 /// `COL,ROW`.
