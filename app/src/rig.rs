@@ -12,7 +12,7 @@ pub(crate) fn open(name: &str, ports: &[String]) -> Result<Rig> {
     let mut rig = if is_file {
         Rig::load(Path::new(name))?
     } else {
-        Rig::builtin(name)?
+        Rig::builtin(name).map_err(usage)?
     };
     for port in ports {
         let (device, path) = port.split_once('=').ok_or_else(|| {
@@ -20,7 +20,7 @@ pub(crate) fn open(name: &str, ports: &[String]) -> Result<Rig> {
                 "{port:?} is not NAME=PORT, like flock=/dev/ttyUSB1"
             ))
         })?;
-        rig.set_port(device, Path::new(path))?;
+        rig.set_port(device, Path::new(path)).map_err(usage)?;
     }
     Ok(rig)
 }
