@@ -9,6 +9,7 @@ mod film;
 mod interrupt;
 mod live;
 mod navigation;
+mod notice;
 mod resident;
 mod rig;
 mod scene;
@@ -22,6 +23,7 @@ mod window;
 
 use clap::Parser;
 use cli::{Cli, Command};
+use std::io::IsTerminal;
 use std::process::ExitCode;
 use std::time::Instant;
 use tracing_subscriber::EnvFilter;
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .with_target(false)
         .init();

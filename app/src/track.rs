@@ -3,6 +3,7 @@
 use crate::cli::RenderArgs;
 use crate::exit::usage;
 use crate::film::Film;
+use crate::notice::notice;
 use crate::scene;
 use crate::session::{Session, Viewpoint};
 use anyhow::{Context, Result, bail};
@@ -85,12 +86,12 @@ pub(crate) fn render(
         }
         session.set_airspeed(airspeed);
     })?;
-    println!(
+    notice(format_args!(
         "{}: {} frames, {:.1} s",
         args.output.display(),
         film.frames,
         track.seconds()
-    );
+    ));
     Ok(())
 }
 

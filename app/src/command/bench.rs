@@ -10,6 +10,7 @@ use sandtable_cast::{
 };
 use sandtable_view::View;
 use serde::Serialize;
+use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -36,7 +37,7 @@ struct Figures {
 /// The distance from brute force.
 #[derive(Serialize)]
 struct Check {
-    /// `null` where sky and ground were taken for each other.
+    /// Infinite where sky and ground were taken for each other; JSON has no infinity: it is `null`.
     max_cells: f64,
     over_0_1_cell: u64,
     over_0_5_cell: u64,
@@ -116,10 +117,11 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
             }
         }
     }
+    let mut out = std::io::stdout().lock();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&lines)?);
+        writeln!(out, "{}", serde_json::to_string_pretty(&lines)?)?;
     } else {
-        print_table(&open.name, &ground, &lines);
+        print_table(&mut out, &open.name, &ground, &lines)?;
     }
     Ok(())
 }
@@ -183,13 +185,19 @@ fn time(pool: &CastPool, prepared: &dyn PreparedScene, view: View, frames: usize
     }
 }
 
-fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]) {
+fn print_table(
+    out: &mut impl Write,
+    name: &str,
+    ground: &sandtable_terrain::Ground,
+    lines: &[Figures],
+) -> io::Result<()> {
     let grid = ground.grid();
-    println!("{name}: {} by {} posts", grid.cols, grid.rows);
-    println!(
+    writeln!(out, "{name}: {} by {} posts", grid.cols, grid.rows)?;
+    writeln!(
+        out,
         "{:<10} {:<24} {:>7} {:>10} {:>8} {:>8} {:>8} {:>10}  error against brute force",
         "caster", "view", "threads", "median ms", "p5", "p95", "Mpix/s", "shade only"
-    );
+    )?;
     for line in lines {
         let check = line.check.as_ref().map_or_else(
             || "not checked (--check)".to_owned(),
@@ -203,7 +211,8 @@ fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]
                 )
             },
         );
-        println!(
+        writeln!(
+            out,
             "{:<10} {:<24} {:>7} {:>10.2} {:>8.2} {:>8.2} {:>8.2} {:>10.2}  {check}",
             line.caster,
             line.view,
@@ -213,7 +222,7 @@ fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]
             line.p95_ms,
             line.mpix_per_s,
             line.shade_only_ms,
-        );
+        )?;
     }
     if let Some(line) = lines.first() {
         let mb = |bytes: u64| bytes as f64 / 1e6;
@@ -222,11 +231,31 @@ fn print_table(name: &str, ground: &sandtable_terrain::Ground, lines: &[Figures]
             .map_or("not known here".to_owned(), |bytes| {
                 format!("{:.0} MB", mb(bytes))
             });
-        println!(
+        writeln!(
+            out,
             "first picture {:.0} ms after the start; peak resident memory then {peak} \
              (limit {:.0} MB)",
             line.first_picture_ms,
             mb(line.resident_limit_bytes)
-        );
+        )?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_without_a_number_is_null_in_json() {
+        let check = Check {
+            max_cells: f64::INFINITY,
+            over_0_1_cell: 3,
+            over_0_5_cell: 2,
+            psnr_db: None,
+        };
+        let json = serde_json::to_value(&check).unwrap();
+        assert!(json["max_cells"].is_null() && json["psnr_db"].is_null());
+        assert_eq!(json["over_0_1_cell"], 3);
     }
 }

@@ -4,6 +4,7 @@ use crate::cli::FlyArgs;
 use crate::exit::usage;
 use crate::film::Film;
 use crate::live::{Live, Timeline, frame_time};
+use crate::notice::notice;
 use crate::session::Session;
 use crate::tape::{self, Tape};
 use crate::tour::Tour;
@@ -87,7 +88,10 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
 fn open_replay(path: &Path) -> Result<Replay> {
     let replay = Replay::open(path)?;
     if let Some(cut) = replay.cut() {
-        tracing::warn!("{cut}");
+        tracing::warn!(
+            "the recording {} is torn: {cut}; it is replayed up to there",
+            path.display()
+        );
     }
     Ok(replay)
 }
@@ -180,12 +184,12 @@ fn without_display(
         rate,
         frames: (seconds * f64::from(rate)).ceil().max(1.0) as u32,
     };
-    println!(
-        "no window: {why}\nwriting {} frames of a {stereo} flight ({seconds:.1} s) over {} to {}",
+    notice(format_args!(
+        "no window: {why}\nwriting a flight ({} frames, {seconds:.1} s, {stereo}) over {} to {}",
         film.frames,
         session.terrain(),
         film.output.display()
-    );
+    ));
     match replay {
         Some(mut replay) => {
             let start = replay.start();
@@ -211,12 +215,12 @@ fn without_display(
             })?;
         }
     }
-    println!(
+    notice(format_args!(
         "{} is written; play it with any video player",
         film.output.display()
-    );
+    ));
     if let Some(audio) = &film.audio {
-        println!("its sound is in {}", audio.display());
+        notice(format_args!("its sound is in {}", audio.display()));
     }
     Ok(())
 }

@@ -8,8 +8,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<()> {
     let info = sandtable_terrain::info(&args.file, &args.cell)?;
     let mut out = std::io::stdout().lock();
     if args.json {
-        serde_json::to_writer_pretty(&mut out, &info)?;
-        writeln!(out)?;
+        writeln!(out, "{}", serde_json::to_string_pretty(&info)?)?;
     } else {
         write!(out, "{info}")?;
     }

@@ -56,7 +56,8 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
                 match condition {
                     Condition::Starting => eprintln!("{name}: starting"),
                     Condition::Streaming => eprintln!("{name}: streaming"),
-                    Condition::Waiting(why) => eprintln!("{name}: {why}"),
+                    // Why it waits the driver has logged.
+                    Condition::Waiting(_) => eprintln!("{name}: waiting"),
                 }
             }
         }
