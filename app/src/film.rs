@@ -1,5 +1,6 @@
 //! Films: a session written to a video, frame by frame, with its sound beside it.
 
+use crate::files::make_folder;
 use crate::session::{Session, summit};
 use crate::video::VideoWriter;
 use anyhow::{Context, Result};
@@ -50,6 +51,7 @@ impl Film {
         mut direct: impl FnMut(&mut Session, u32),
     ) -> Result<()> {
         let frame_size = whole_frame(self.stereo, self.eye_size);
+        make_folder(&self.output)?;
         let mut video = VideoWriter::create(&self.output, frame_size, self.rate)?;
         let progress = progress(self.frames);
         let mut images = Vec::new();

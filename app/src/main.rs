@@ -9,6 +9,7 @@ mod film;
 mod interrupt;
 mod live;
 mod navigation;
+mod partial;
 mod resident;
 mod rig;
 mod scene;

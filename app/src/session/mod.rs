@@ -244,6 +244,7 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
                     eye: overview.eye,
                     attitude: overview.attitude,
                     pace: Pace::Constant(rig.flight.speed.of(longer_side)),
+                    turn_rate: rig.flight.turn_rate.to_radians(),
                 },
                 horizontal_fov,
                 stereo: Stereo {
@@ -277,7 +278,11 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
             );
             Viewpoint::Table {
                 screen,
-                flight: TableFlight { placement, speed },
+                flight: TableFlight {
+                    placement,
+                    speed,
+                    turn_rate: rig.flight.turn_rate.to_radians(),
+                },
                 eyes,
             }
         }
