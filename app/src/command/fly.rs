@@ -60,9 +60,11 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
                     let tape = args
                         .record
                         .as_deref()
-                        .map(|path| Tape::create(path, &session, &terrain, clock.now()))
+                        .map(|path| {
+                            Tape::create(path, &session, &terrain, clock.now()).map(Box::new)
+                        })
                         .transpose()?;
-                    let recorder = tape.as_ref().map(Tape::recorder);
+                    let recorder = tape.as_ref().map(|tape| tape.recorder());
                     let devices = Devices::start(session.rig(), session.hub(), clock, recorder)?;
                     Timeline::Live {
                         clock,
@@ -211,10 +213,12 @@ fn without_display(
             })?;
         }
     }
-    println!(
-        "{} is written; play it with any video player",
-        film.output.display()
-    );
+    let how = if film.output.is_dir() {
+        "a folder of images"
+    } else {
+        "play it with any video player"
+    };
+    println!("{} is written: {how}", film.output.display());
     if let Some(audio) = &film.audio {
         println!("its sound is in {}", audio.display());
     }

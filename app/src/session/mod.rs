@@ -124,6 +124,16 @@ impl Session {
         &self.hub
     }
 
+    /// Head and hand.
+    pub(crate) fn bodies(&self) -> [&Body; 2] {
+        [&self.head, &self.hand]
+    }
+
+    /// Head and hand, to be moved.
+    pub(crate) fn bodies_mut(&mut self) -> [&mut Body; 2] {
+        [&mut self.head, &mut self.hand]
+    }
+
     /// Where people look from.
     pub(crate) fn viewpoint(&self) -> &Viewpoint {
         &self.viewpoint
