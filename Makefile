@@ -38,9 +38,9 @@ lint: deps runtime ## Check format, lints and documentation
 
 bench: runtime ## Time the casters on 1 and 2 threads
 	$(CARGO) run --release --locked -- bench 'builtin:ridges?size=1025' \
-		--caster brute --caster coherent --check
-	$(CARGO) run --release --locked -- bench builtin:jacksboro \
-		--caster brute --caster coherent --check
+		--views level --caster brute --caster coherent --check
+	$(CARGO) run --release --locked -- bench 'builtin:ridges?size=1025' \
+		--frames 3 --caster brute --caster coherent --check
 
 doc: ## Build the documentation of all crates
 	$(CARGO) doc --workspace --no-deps --locked

@@ -227,10 +227,19 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) terrain: TerrainArgs,
 
-    /// A view file; may be repeated. Without one: level, pitched, table and straight-down views of
-    /// the whole terrain.
+    /// A view file; may be repeated.
     #[arg(long, value_name = "FILE")]
     pub(crate) view: Vec<PathBuf>,
+
+    /// Without a view file: one view of each kind, or twelve level views at 640x360.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "SET",
+        default_value = "mixed",
+        conflicts_with = "view"
+    )]
+    pub(crate) views: ViewSet,
 
     /// A caster; may be repeated. Without one: the default caster.
     #[arg(long, value_name = "CASTER")]
@@ -253,6 +262,15 @@ pub(crate) struct BenchArgs {
     /// are identical.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Views that need no view file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ViewSet {
+    /// Pitched, to the horizon, rolled, straight down, and at a table.
+    Mixed,
+    /// Twelve views without roll.
+    Level,
 }
 
 /// Arguments of `simulate`.

@@ -26,10 +26,24 @@ pub(crate) fn report(result: anyhow::Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("sandtable: {error:#}");
+            eprintln!("sandtable: {}", in_words(&error));
             ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
         }
     }
+}
+
+/// The error and its causes, outermost first, each said once: many messages quote their cause.
+fn in_words(error: &anyhow::Error) -> String {
+    let mut words = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !words.contains(&cause) {
+            if !words.is_empty() {
+                words += ": ";
+            }
+            words += &cause;
+        }
+    }
+    words
 }
 
 /// Whoever read our output has had enough of it; that is no failure.
@@ -37,4 +51,21 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error
         .downcast_ref::<std::io::Error>()
         .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn a_quoted_cause_is_not_said_again() {
+        let cause = std::io::Error::other("no such thing");
+        let error = Err::<(), _>(cause).context("cannot read x: no such thing; look again");
+        let error = error.context("while opening").unwrap_err();
+        assert_eq!(
+            in_words(&error),
+            "while opening: cannot read x: no such thing; look again"
+        );
+    }
 }

@@ -1,40 +1,37 @@
 //! Writing results: images, depth, whole or not at all.
 
-use anyhow::{Context, Result, bail};
+use crate::partial::Partial;
+use anyhow::{Context, Result};
 use image::RgbaImage;
 use sandtable_cast::Image;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+/// Makes the folder that `path` is to lie in.
+pub(crate) fn make_folder(path: &Path) -> Result<()> {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display())),
+        _ => Ok(()),
+    }
+}
+
 /// Writes a file through `write`, under a temporary name beside it that takes its place at the
 /// end: what was there before survives a failure.
-pub(crate) fn write_whole(
+fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<std::fs::File>) -> Result<()>,
 ) -> Result<()> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    }
-    let Some(name) = path.file_name() else {
-        bail!("{} names no file", path.display())
-    };
-    let mut partial = name.to_owned();
-    partial.push(".partial");
-    let partial = path.with_file_name(partial);
+    make_folder(path)?;
+    let partial = Partial::beside(path);
     let result = (|| {
-        let mut file = BufWriter::new(std::fs::File::create(&partial)?);
+        let mut file = BufWriter::new(std::fs::File::create(partial.unfinished())?);
         write(&mut file)?;
         file.flush()?;
         drop(file);
-        std::fs::rename(&partial, path)?;
-        Ok(())
+        Ok(partial.complete()?)
     })();
     result.map_err(|error: anyhow::Error| {
-        let _ = std::fs::remove_file(&partial);
         error.context(format!(
             "cannot write {}; is the folder there, writable and not full?",
             path.display()

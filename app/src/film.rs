@@ -1,7 +1,9 @@
 //! Films: a session written to a video, frame by frame, with its sound beside it.
 
+use crate::exit::usage;
+use crate::files::make_folder;
 use crate::session::{Session, summit};
-use crate::video::VideoWriter;
+use crate::video::{VideoError, VideoWriter};
 use anyhow::{Context, Result};
 use bytemuck::cast_slice;
 use sandtable_audio::{Soundscape, WAV_SAMPLE_RATE, render_to_wav};
@@ -50,7 +52,12 @@ impl Film {
         mut direct: impl FnMut(&mut Session, u32),
     ) -> Result<()> {
         let frame_size = whole_frame(self.stereo, self.eye_size);
-        let mut video = VideoWriter::create(&self.output, frame_size, self.rate)?;
+        make_folder(&self.output)?;
+        let video = VideoWriter::create(&self.output, frame_size, self.rate);
+        let mut video = video.map_err(|error| match error {
+            VideoError::Form { .. } => usage(error),
+            error => error.into(),
+        })?;
         let progress = progress(self.frames);
         let mut images = Vec::new();
         let mut soundscapes = Vec::new();

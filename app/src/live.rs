@@ -21,7 +21,7 @@ pub(crate) enum Timeline {
         /// The rig's devices.
         devices: Devices,
         /// Where they are recorded, if they are.
-        tape: Option<Tape>,
+        tape: Option<Box<Tape>>,
     },
     /// A recording.
     Replayed {
@@ -61,7 +61,7 @@ impl Live {
     }
 
     /// Ends devices and recording.
-    pub(crate) fn end(self) -> Option<Tape> {
+    pub(crate) fn end(self) -> Option<Box<Tape>> {
         match self.timeline {
             Timeline::Live { devices, tape, .. } => {
                 devices.stop();

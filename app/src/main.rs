@@ -10,6 +10,7 @@ mod interrupt;
 mod live;
 mod navigation;
 mod notice;
+mod partial;
 mod resident;
 mod rig;
 mod scene;

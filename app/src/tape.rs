@@ -6,7 +6,7 @@ use crate::session::{Session, Viewpoint};
 use anyhow::{Context, Result};
 use glam::DVec3;
 use sandtable_input::{Recorder, Replay};
-use sandtable_pose::Nanos;
+use sandtable_pose::{Nanos, Rigid};
 use sandtable_view::{Attitude, Placement};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -16,6 +16,8 @@ use std::path::Path;
 const TERRAIN_TOPIC: &str = "/session/terrain";
 /// The topic of a flying camera.
 const CAMERA_TOPIC: &str = "/session/camera";
+/// The topics of a head and a hand that the mouse moves.
+const BODY_TOPICS: [&str; 2] = ["/session/head", "/session/hand"];
 
 /// The terrain that was flown over.
 #[derive(Debug, Serialize, Deserialize)]
@@ -45,6 +47,7 @@ pub(crate) struct Tape {
     recorder: Recorder,
     placement: Option<Placement>,
     camera: Option<RecordedCamera>,
+    bodies: [Option<Rigid>; 2],
 }
 
 impl Tape {
@@ -70,6 +73,7 @@ impl Tape {
             recorder,
             placement,
             camera: None,
+            bodies: [None; 2],
         };
         tape.follow(session, start)?;
         Ok(tape)
@@ -96,6 +100,18 @@ impl Tape {
                 self.camera = Some(camera);
                 self.recorder
                     .json(CAMERA_TOPIC, time, serde_json::to_value(camera)?);
+            }
+        }
+        for ((topic, recorded), body) in BODY_TOPICS
+            .into_iter()
+            .zip(&mut self.bodies)
+            .zip(session.bodies())
+        {
+            let moved = Some(body.table_from_body());
+            if !body.is_tracked() && *recorded != moved {
+                *recorded = moved;
+                self.recorder
+                    .json(topic, time, serde_json::to_value(moved)?);
             }
         }
         Ok(())
@@ -157,6 +173,13 @@ pub(crate) fn recall(replay: &mut Replay, session: &mut Session, time: Nanos) ->
         }
     }
     session.set_time(time);
+    for (topic, body) in BODY_TOPICS.into_iter().zip(session.bodies_mut()) {
+        if let Some(value) = newest(replay.values(topic), time) {
+            let table_from_body = Rigid::deserialize(value)
+                .with_context(|| format!("{topic} in the recording cannot be understood"))?;
+            body.rest_at(table_from_body);
+        }
+    }
     Ok(())
 }
 

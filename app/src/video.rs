@@ -9,7 +9,6 @@
 
 mod avi;
 mod ffmpeg;
-mod partial;
 mod stills;
 
 use std::io;

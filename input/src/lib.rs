@@ -47,14 +47,12 @@
 //! assert!(off.length() < 1e-3);
 //! ```
 
-mod access;
 mod clock;
 mod devices;
 mod flight;
 pub mod flock;
 mod gamepad;
 mod hub;
-mod listing;
 pub mod recording;
 
 pub use clock::Clock;
@@ -62,5 +60,4 @@ pub use devices::{Condition, DeviceState, Devices, DevicesError};
 pub use flight::FlightAxes;
 pub use gamepad::{GamepadError, GamepadState, Gamepads, map_gamepad};
 pub use hub::Hub;
-pub use listing::{FoundDevice, ListError, list_gamepads, list_hid_devices, list_serial_ports};
 pub use recording::{Recorder, Replay};

@@ -1,12 +1,12 @@
 //! `sandtable bench`: casters, timed side by side.
 
-use crate::cli::BenchArgs;
+use crate::cli::{BenchArgs, ViewSet};
 use crate::command::render::read_view;
 use crate::exit::usage;
-use crate::{resident, scene, vantage};
+use crate::{resident, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::{
-    Brute, CASTERS, CastPool, Caster, Difference, Image, PreparedScene, ShadeFloor,
+    Brute, CASTERS, CastPool, Caster, Difference, Image, PreparedScene, ShadeFloor, standpoints,
 };
 use sandtable_view::View;
 use serde::Serialize;
@@ -57,12 +57,18 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
     };
     let open = scene::open(&args.terrain)?;
     let ground = Arc::clone(&open.scene.ground);
-    let views: Vec<(String, View)> = match args.view.as_slice() {
-        [] => vantage::bench_views(&ground)
-            .into_iter()
-            .map(|(name, view)| (name.to_owned(), view))
-            .collect(),
-        files => files
+    let views: Vec<(String, View)> = match (args.view.as_slice(), args.views) {
+        ([], set) => {
+            let standpoints = match set {
+                ViewSet::Mixed => standpoints::mixed(&ground),
+                ViewSet::Level => standpoints::level(&ground, [640, 360]),
+            };
+            standpoints
+                .into_iter()
+                .map(|at| (at.name, at.view))
+                .collect()
+        }
+        (files, _) => files
             .iter()
             .map(|path| Ok((path.display().to_string(), read_view(path)?.mono())))
             .collect::<Result<_>>()?,
@@ -224,6 +230,7 @@ fn print_table(
             line.shade_only_ms,
         )?;
     }
+    print_ratios(out, lines)?;
     if let Some(line) = lines.first() {
         let mb = |bytes: u64| bytes as f64 / 1e6;
         let peak = line
@@ -238,6 +245,44 @@ fn print_table(
             line.first_picture_ms,
             mb(line.resident_limit_bytes)
         )?;
+    }
+    Ok(())
+}
+
+/// How many times as fast as brute force each other caster is, where brute force was timed too.
+fn print_ratios(out: &mut impl Write, lines: &[Figures]) -> io::Result<()> {
+    let is_brute = |line: &&Figures| line.caster == Brute.name();
+    let mut groups: Vec<(&str, usize)> = Vec::new();
+    for line in lines.iter().filter(|line| !is_brute(line)) {
+        if !groups.contains(&(line.caster, line.threads)) {
+            groups.push((line.caster, line.threads));
+        }
+    }
+    for (caster, threads) in groups {
+        let (mut own, mut brute, mut ratios) = (0.0, 0.0, Vec::new());
+        for line in lines
+            .iter()
+            .filter(|line| line.caster == caster && line.threads == threads)
+        {
+            let rival = lines
+                .iter()
+                .filter(is_brute)
+                .find(|rival| rival.view == line.view && rival.threads == threads);
+            if let Some(rival) = rival {
+                own += line.median_ms;
+                brute += rival.median_ms;
+                ratios.push(rival.median_ms / line.median_ms);
+            }
+        }
+        if own > 0.0 {
+            let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+            writeln!(
+                out,
+                "{caster} on {threads} threads is {:.1} times as fast as brute over all views, \
+                 and at least {least:.1} times in each",
+                brute / own
+            )?;
+        }
     }
     Ok(())
 }

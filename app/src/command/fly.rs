@@ -61,9 +61,11 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
                     let tape = args
                         .record
                         .as_deref()
-                        .map(|path| Tape::create(path, &session, &terrain, clock.now()))
+                        .map(|path| {
+                            Tape::create(path, &session, &terrain, clock.now()).map(Box::new)
+                        })
                         .transpose()?;
-                    let recorder = tape.as_ref().map(Tape::recorder);
+                    let recorder = tape.as_ref().map(|tape| tape.recorder());
                     let devices = Devices::start(session.rig(), session.hub(), clock, recorder)?;
                     Timeline::Live {
                         clock,
@@ -215,10 +217,12 @@ fn without_display(
             })?;
         }
     }
-    notice(format_args!(
-        "{} is written; play it with any video player",
-        film.output.display()
-    ));
+    let how = if film.output.is_dir() {
+        "a folder of images"
+    } else {
+        "play it with any video player"
+    };
+    notice(format_args!("{} is written: {how}", film.output.display()));
     if let Some(audio) = &film.audio {
         notice(format_args!("its sound is in {}", audio.display()));
     }

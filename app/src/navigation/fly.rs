@@ -4,10 +4,7 @@ use super::path::way;
 use glam::DVec3;
 use sandtable_input::FlightAxes;
 use sandtable_view::Attitude;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-/// Turn at an axis value of 1, in radians per second.
-const TURN_RATE: f64 = FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Share by which one notch of the wheel changes the speed.
 const NOTCH: f64 = 1.25;
@@ -65,6 +62,8 @@ pub(crate) struct FlyCamera {
     pub(crate) attitude: Attitude,
     /// How fast it flies.
     pub(crate) pace: Pace,
+    /// Turn at an axis value of 1, in radians per second.
+    pub(crate) turn_rate: f64,
 }
 
 impl FlyCamera {
@@ -118,17 +117,17 @@ impl FlyCamera {
 
     /// How long until the nose points straight up or down; `None` where it does not turn.
     fn seconds_to_vertical(&self, pitch_axis: f64) -> Option<f64> {
-        let rate = TURN_RATE * pitch_axis;
+        let rate = self.turn_rate * pitch_axis;
         let room = FRAC_PI_2.copysign(rate) - self.attitude.pitch;
         (rate != 0.0).then(|| (room / rate).max(0.0))
     }
 
     fn fly(&mut self, axes: &FlightAxes, speed: f64, seconds: f64) {
-        let start = self.attitude;
+        let (start, turn_rate) = (self.attitude, self.turn_rate);
         let after = |t: f64| Attitude {
-            yaw: start.yaw + TURN_RATE * axes.yaw * t,
-            pitch: start.pitch + TURN_RATE * axes.pitch * t,
-            roll: start.roll + TURN_RATE * axes.roll * t,
+            yaw: start.yaw + turn_rate * axes.yaw * t,
+            pitch: start.pitch + turn_rate * axes.pitch * t,
+            roll: start.roll + turn_rate * axes.roll * t,
         };
         self.eye += way(seconds, |t| {
             let [right, up, forward] = after(t).axes();
@@ -141,12 +140,14 @@ impl FlyCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_4;
 
     fn camera() -> FlyCamera {
         FlyCamera {
             eye: DVec3::new(1000.0, 2000.0, 1500.0),
             attitude: Attitude::default(),
             pace: Pace::Constant(100.0),
+            turn_rate: FRAC_PI_4,
         }
     }
 
@@ -183,7 +184,7 @@ mod tests {
             ..Default::default()
         };
         // A quarter of a circle to the right: radius v/ω, from north to east.
-        let radius = 100.0 / TURN_RATE;
+        let radius = 100.0 / FRAC_PI_4;
         for _ in 0..20 {
             camera.advance(&axes, 100.0, 0.1);
         }

@@ -4,10 +4,7 @@ use super::path::way;
 use glam::DVec3;
 use sandtable_input::FlightAxes;
 use sandtable_view::Placement;
-use std::f64::consts::{FRAC_PI_4, LN_2, TAU};
-
-/// Turn at an axis value of 1, in radians per second.
-const TURN_RATE: f64 = FRAC_PI_4;
+use std::f64::consts::{LN_2, TAU};
 
 /// Growth of the scale at an axis value of 1: it doubles in a second.
 const SCALE_RATE: f64 = LN_2;
@@ -35,16 +32,18 @@ pub(crate) struct TableFlight {
     pub(crate) placement: Placement,
     /// Table metres per second that an axis value of 1 moves.
     pub(crate) speed: f64,
+    /// Turn at an axis value of 1, in radians per second.
+    pub(crate) turn_rate: f64,
 }
 
 impl TableFlight {
     /// Moves for `seconds` as `axes` ask, `boost` times as fast over the ground.
     pub(crate) fn advance(&mut self, axes: &FlightAxes, boost: f64, seconds: f64) {
         let seconds = seconds.max(0.0);
-        let start = self.placement;
+        let (start, turn_rate) = (self.placement, self.turn_rate);
         let after = |t: f64| Placement {
             anchor: start.anchor,
-            yaw: start.yaw + TURN_RATE * axes.yaw * t,
+            yaw: start.yaw + turn_rate * axes.yaw * t,
             scale: limited(start.scale * (SCALE_RATE * axes.up * t).exp(), SCALES),
             exaggeration: limited(
                 start.exaggeration * (EXAGGERATION_RATE * axes.roll * t).exp(),
@@ -81,7 +80,7 @@ fn limited(value: f64, [least, most]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::FRAC_PI_2;
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
     fn flight() -> TableFlight {
         TableFlight {
@@ -92,6 +91,7 @@ mod tests {
                 exaggeration: 2.0,
             },
             speed: 0.25,
+            turn_rate: FRAC_PI_4,
         }
     }
 

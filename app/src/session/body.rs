@@ -74,6 +74,13 @@ impl Body {
         self.push(to - self.table_from_body.translation);
     }
 
+    /// Puts it where it was recorded, unless it is tracked.
+    pub(crate) fn rest_at(&mut self, table_from_body: Rigid) {
+        if !self.is_tracked() {
+            self.table_from_body = table_from_body;
+        }
+    }
+
     /// How it is, for the panel: "flock/1 live", "at rest".
     pub(crate) fn state(&self) -> (String, bool) {
         let Some(sensor) = &self.sensor else {

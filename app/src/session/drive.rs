@@ -141,7 +141,11 @@ impl Session {
         Readings {
             terrain: self.terrain.clone(),
             position,
-            above_ground: height_above(self.ground(), position),
+            // The middle of a glass is a place on the table, not one that flies.
+            above_ground: table
+                .is_none()
+                .then(|| height_above(self.ground(), position))
+                .flatten(),
             attitude,
             speed,
             table,

@@ -124,6 +124,16 @@ impl Session {
         &self.hub
     }
 
+    /// Head and hand.
+    pub(crate) fn bodies(&self) -> [&Body; 2] {
+        [&self.head, &self.hand]
+    }
+
+    /// Head and hand, to be moved.
+    pub(crate) fn bodies_mut(&mut self) -> [&mut Body; 2] {
+        [&mut self.head, &mut self.hand]
+    }
+
     /// Where people look from.
     pub(crate) fn viewpoint(&self) -> &Viewpoint {
         &self.viewpoint
@@ -244,6 +254,7 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
                     eye: overview.eye,
                     attitude: overview.attitude,
                     pace: Pace::Constant(rig.flight.speed.of(longer_side)),
+                    turn_rate: rig.flight.turn_rate.to_radians(),
                 },
                 horizontal_fov,
                 stereo: Stereo {
@@ -277,7 +288,11 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
             );
             Viewpoint::Table {
                 screen,
-                flight: TableFlight { placement, speed },
+                flight: TableFlight {
+                    placement,
+                    speed,
+                    turn_rate: rig.flight.turn_rate.to_radians(),
+                },
                 eyes,
             }
         }

@@ -18,7 +18,7 @@ use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 
 use super::VideoError;
-use super::partial::Partial;
+use crate::partial::Partial;
 use std::path::Path;
 
 /// JPEG quality of 100: edges stay clean where stereo colours meet. Chroma is not subsampled.

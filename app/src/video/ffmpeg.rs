@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;
 
 use super::VideoError;
-use super::partial::Partial;
+use crate::partial::Partial;
 
 /// How the frames are compressed, and in which container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

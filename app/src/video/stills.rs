@@ -9,7 +9,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::VideoError;
-use super::partial::Partial;
+use crate::partial::Partial;
 
 /// A folder that is being filled with `frame_00000.png` and so on.
 pub(super) struct Stills {

@@ -88,6 +88,10 @@ impl Shell<'_> {
 
     fn draw_panel(&mut self, open: &mut Open, now: Instant, wishes: &mut Vec<Wish>) {
         let readings = self.show.readings();
+        let mut messages = self.messages.clone();
+        if open.caster.has_ended() {
+            messages.push("the caster has broken down: start the program anew".into());
+        }
         let vitals = Vitals {
             cast_ms: self.cast.last_ms(),
             casts_per_second: self.cast.rate(now),
@@ -99,7 +103,7 @@ impl Shell<'_> {
                 .presenter
                 .gpu()
                 .map_or_else(String::new, |gpu| gpu.description()),
-            messages: self.messages.clone(),
+            messages,
         };
         let before = self.settings.clone();
         let input = open.egui.take_egui_input(&open.window);

@@ -99,6 +99,17 @@ impl BackgroundCaster {
     }
 }
 
+impl BackgroundCaster {
+    /// Whether the thread has ended, which only a caster that panicked brings about: what was cast
+    /// last stays, and nothing follows.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.thread
+            .as_ref()
+            .is_none_or(|thread| thread.is_finished())
+    }
+}
+
 impl Drop for BackgroundCaster {
     fn drop(&mut self) {
         lock(&self.shared.0).stop = true;

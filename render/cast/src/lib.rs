@@ -22,6 +22,7 @@ mod image;
 mod intersect;
 mod pool;
 mod shade;
+pub mod standpoints;
 
 pub use background::{BackgroundCaster, Finished, Request};
 pub use brute::Brute;

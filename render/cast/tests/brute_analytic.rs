@@ -9,9 +9,11 @@ use std::sync::Arc;
 /// Casts `view` over `scene` by brute force.
 fn cast(scene: &Arc<Scene>, view: View) -> Image {
     let mut images = [Image::default()];
-    CastPool::new(2)
-        .unwrap()
-        .cast(&*Brute.prepare(Arc::clone(scene)), &[view], &mut images);
+    CastPool::new(2).expect("two threads").cast(
+        &*Brute.prepare(Arc::clone(scene)),
+        &[view],
+        &mut images,
+    );
     let [image] = images;
     image
 }
@@ -46,7 +48,7 @@ fn ground(
 ) -> Arc<Scene> {
     let post =
         |col: u32, row: u32| height(f64::from(col) * spacing.x, f64::from(row) * spacing.y) as f32;
-    Scene::new(Ground::from_fn(cols, rows, spacing, post).unwrap())
+    Scene::new(Ground::from_fn(cols, rows, spacing, post).expect("a sound grid"))
 }
 
 fn near(found: f64, expected: f64) {

@@ -5,14 +5,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The path of an unfinished file or folder, beside the one it will be; goes away with its owner.
-pub(super) struct Partial {
+pub(crate) struct Partial {
     path: PathBuf,
     unfinished: PathBuf,
 }
 
 impl Partial {
     /// Nothing is created yet.
-    pub(super) fn beside(path: &Path) -> Self {
+    pub(crate) fn beside(path: &Path) -> Self {
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(".part");
         Self {
@@ -22,17 +22,17 @@ impl Partial {
     }
 
     /// What it will be called.
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// What it is called until then.
-    pub(super) fn unfinished(&self) -> &Path {
+    pub(crate) fn unfinished(&self) -> &Path {
         &self.unfinished
     }
 
     /// Gives it its name, in place of whatever file had it.
-    pub(super) fn complete(self) -> io::Result<()> {
+    pub(crate) fn complete(self) -> io::Result<()> {
         fs::rename(&self.unfinished, &self.path)
     }
 }

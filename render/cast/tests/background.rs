@@ -1,0 +1,147 @@
+//! Casting in the background: nobody waits, and the newest wins.
+
+use glam::{DVec2, DVec3};
+use sandtable_cast::{
+    BackgroundCaster, Brute, CastPool, Caster, Finished, Image, PreparedScene, Request, Scene,
+};
+use sandtable_terrain::{Ground, TileIndex};
+use sandtable_view::{Attitude, Camera, View};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+fn scene() -> Arc<Scene> {
+    let ground = Ground::from_fn(30, 30, DVec2::ONE, |col, row| (col % 7 + row % 5) as f32);
+    Scene::new(ground.expect("a sound grid"))
+}
+
+fn view(yaw: f64) -> View {
+    let attitude = Attitude {
+        yaw,
+        pitch: -0.4,
+        roll: 0.0,
+    };
+    Camera {
+        eye: DVec3::new(15.0, -3.0, 14.0),
+        attitude,
+        horizontal_fov: 1.0,
+    }
+    .view([40, 30])
+}
+
+/// A scene whose casts wait for a word.
+struct Gated {
+    inner: Arc<dyn PreparedScene>,
+    begun: Sender<()>,
+    go: Mutex<Receiver<()>>,
+}
+
+impl PreparedScene for Gated {
+    fn scene(&self) -> &Arc<Scene> {
+        self.inner.scene()
+    }
+
+    fn updated(&self, scene: Arc<Scene>, changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+        self.inner.updated(scene, changed)
+    }
+
+    fn cast(&self, views: &[View], images: &mut [Image]) {
+        self.begun.send(()).expect("the test listens");
+        self.go
+            .lock()
+            .expect("no panic under it")
+            .recv()
+            .expect("the test speaks");
+        self.inner.cast(views, images);
+    }
+}
+
+fn wait_for(caster: &BackgroundCaster, frame: u64) -> Arc<Finished> {
+    let begin = Instant::now();
+    loop {
+        if let Some(finished) = caster.newest().filter(|finished| finished.frame == frame) {
+            return finished;
+        }
+        assert!(
+            begin.elapsed() < Duration::from_secs(20),
+            "frame {frame} never came"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn requests_never_wait_and_only_the_newest_is_cast() {
+    let (begun, begins) = channel();
+    let (go, gate) = channel();
+    let scene = Arc::new(Gated {
+        inner: Brute.prepare(scene()),
+        begun,
+        go: Mutex::new(gate),
+    });
+    let pool = Arc::new(CastPool::new(2).expect("two threads"));
+    let caster = BackgroundCaster::start(Arc::clone(&pool), || {}).expect("a thread");
+    assert!(caster.newest().is_none());
+    let request = |frame: u64| {
+        caster.request(Request {
+            scene: scene.clone(),
+            views: vec![view(frame as f64 * 0.1)],
+            frame,
+        });
+    };
+    request(1);
+    begins.recv().expect("a cast begins");
+    // While the first is being cast, these come and go.
+    for frame in 2..=50 {
+        request(frame);
+        assert!(caster.newest().is_none());
+    }
+    go.send(()).expect("it waits");
+    assert_eq!(wait_for(&caster, 1).images[0].view, view(0.1));
+    begins.recv().expect("the next cast begins");
+    go.send(()).expect("it waits");
+    let last = wait_for(&caster, 50);
+    let mut direct = [Image::default()];
+    pool.cast(&*scene.inner, &[view(5.0)], &mut direct);
+    assert!(last.images == direct);
+    // Nothing in between was cast.
+    assert!(begins.try_recv().is_err());
+    assert!(!caster.has_ended());
+}
+
+#[test]
+fn a_caster_that_panics_is_noticed_and_the_last_picture_stays() {
+    struct Broken(Arc<dyn PreparedScene>);
+    impl PreparedScene for Broken {
+        fn scene(&self) -> &Arc<Scene> {
+            self.0.scene()
+        }
+        fn updated(&self, scene: Arc<Scene>, changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+            self.0.updated(scene, changed)
+        }
+        fn cast(&self, _: &[View], _: &mut [Image]) {
+            panic!("on purpose");
+        }
+    }
+    let pool = Arc::new(CastPool::new(1).expect("a thread"));
+    let caster = BackgroundCaster::start(pool, || {}).expect("a thread");
+    let sound = Brute.prepare(scene());
+    let views = vec![view(0.0)];
+    caster.request(Request {
+        scene: sound.clone(),
+        views: views.clone(),
+        frame: 1,
+    });
+    wait_for(&caster, 1);
+    caster.request(Request {
+        scene: Arc::new(Broken(sound)),
+        views,
+        frame: 2,
+    });
+    let begin = Instant::now();
+    while !caster.has_ended() {
+        assert!(begin.elapsed() < Duration::from_secs(20), "it goes on");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(caster.newest().map(|finished| finished.frame), Some(1));
+}
