@@ -1,0 +1,50 @@
+//! `sandtable doctor` on any machine, with nothing plugged in too.
+
+use crate::program::Folder;
+use serde_json::Value;
+
+#[test]
+fn people_get_every_section() {
+    let said = Folder::new().run("doctor").done().out;
+    for section in [
+        "GPUs",
+        "Displays",
+        "Serial ports",
+        "HID devices",
+        "Gamepads",
+        "Sound outputs",
+        "Programs",
+    ] {
+        let line = said.lines().find(|line| line.starts_with(section));
+        let line = line.unwrap_or_else(|| panic!("no {section} in\n{said}"));
+        let status = line.rsplit(": ").next().unwrap();
+        assert!(["ok", "missing", "failed"].contains(&status), "{line}");
+    }
+    // There is no display in a test, and that is said with what to do.
+    assert!(
+        said.contains("Displays: missing") && said.contains("→"),
+        "{said}"
+    );
+}
+
+#[test]
+fn programs_get_the_same_as_json() {
+    let said = Folder::new().run("doctor --json").done().out;
+    let report: Value = serde_json::from_str(&said).unwrap();
+    for key in [
+        "gpus",
+        "displays",
+        "serial_ports",
+        "hid_devices",
+        "gamepads",
+        "sound_outputs",
+        "programs",
+    ] {
+        let section = &report[key];
+        assert!(section["status"].is_string(), "{key}: {section}");
+        assert!(section["found"].is_array(), "{key}: {section}");
+        assert!(section["advice"].is_array(), "{key}: {section}");
+    }
+    assert_eq!(report["displays"]["status"], "missing");
+    assert_ne!(report["displays"]["advice"], serde_json::json!([]));
+}

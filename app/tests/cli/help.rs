@@ -1,0 +1,58 @@
+//! `--help` and `--version`.
+
+use crate::program::Folder;
+
+#[test]
+fn every_command_that_takes_something_has_an_example() {
+    let folder = Folder::new();
+    for command in [
+        "fly",
+        "info",
+        "render",
+        "bench",
+        "simulate",
+        "simulate flock",
+        "record",
+    ] {
+        let said = folder.run(&format!("{command} --help")).done().out;
+        let (_, examples) = said
+            .split_once("\nExample")
+            .unwrap_or_else(|| panic!("no example in\n{said}"));
+        assert!(
+            examples.contains(&format!("  sandtable {command}")),
+            "{examples}"
+        );
+    }
+}
+
+#[test]
+fn the_program_lists_its_commands_and_tells_its_version() {
+    let folder = Folder::new();
+    let said = folder.run("--help").done().out;
+    for command in [
+        "fly", "info", "render", "bench", "simulate", "record", "doctor",
+    ] {
+        let listed = said
+            .lines()
+            .any(|line| line.trim_start().starts_with(command));
+        assert!(listed, "no {command} in\n{said}");
+        folder.run(&format!("{command} --help")).done();
+    }
+    let said = folder.run("--version").done().out;
+    assert_eq!(
+        said.trim(),
+        concat!("sandtable ", env!("CARGO_PKG_VERSION"))
+    );
+}
+
+#[test]
+fn what_is_not_an_argument_is_bad_usage() {
+    let folder = Folder::new();
+    folder
+        .run("fly --stereo cross-eyed")
+        .failed(2, &["anaglyph"]);
+    folder.run("render --veiw v.toml").failed(2, &["--veiw"]);
+    folder
+        .run("fly --replay a.mcap --rig desktop")
+        .failed(2, &["--replay", "--rig"]);
+}

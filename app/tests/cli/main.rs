@@ -1,0 +1,18 @@
+//! The real program, run as people and scripts run it: arguments in, files and text out.
+//!
+//! Each test has a temporary folder of its own and no display.
+
+mod bad_input;
+mod bench;
+mod doctor;
+mod fly;
+mod formats;
+mod help;
+mod info;
+mod output;
+mod program;
+mod recording;
+mod render;
+#[cfg(unix)]
+mod simulate;
+mod track;

@@ -1,0 +1,149 @@
+//! `sandtable record` of a simulated Flock, and `sandtable fly --replay` of what it recorded.
+
+use crate::program::Folder;
+
+/// A small table whose Flock starts as quickly as its manual allows.
+const RIG: &str = r#"
+name = "a small table"
+[table]
+lower_left = [-0.90, -0.55, 0.0]
+lower_right = [0.90, -0.55, 0.0]
+upper_left = [-0.90, 0.55, 0.0]
+pixels = [60, 36]
+[stereo]
+mode = "side-by-side"
+[head]
+sensor = "flock/1"
+rest = { position = [0.0, -0.75, 0.60], axes = ["+y", "+x", "-z"] }
+eyes = { middle = [0.04, 0.0, 0.03], rightwards = [0.0, 1.0, 0.0], interpupillary = 0.063 }
+[devices.flock]
+kind = "flock-of-birds"
+port = "/dev/there-is-no-such-port"
+birds = 1
+range = 72
+hemisphere = "upper"
+silence_before = 0.6
+silence_after = 0.6
+table_from_tracker = { translation = [0.0, 0.0, -0.30], axes = ["+y", "+x", "-z"] }
+"#;
+
+#[cfg(unix)]
+mod of_a_flock {
+    use super::RIG;
+    use crate::formats::avi;
+    use crate::program::{Folder, Running, sandtable, wait_for};
+    use crate::simulate::Flock;
+    use std::fs::File;
+    use std::time::Duration;
+
+    /// Records a second and a half of a moving head to whole.mcap.
+    fn record(folder: &Folder) {
+        folder.write("rig.toml", RIG);
+        let _flock = Flock::start(folder, "--birds 1 --motion sway-right --link bird");
+        let mut command = sandtable(folder.path());
+        command.args("record builtin:ridges?size=65 --rig rig.toml".split(' '));
+        command.args("--device flock=bird -o whole.mcap".split(' '));
+        command.stderr(File::create(folder.file("said")).expect("a file"));
+        let mut recorder = Running(command.spawn().expect("the program starts"));
+        let said = || String::from_utf8_lossy(&folder.read("said")).into_owned();
+        wait_for("the stream", || {
+            let ended = recorder.0.try_wait().expect("it can be asked");
+            assert!(ended.is_none(), "{}", said());
+            said().contains("flock: streaming").then_some(())
+        });
+        // The length of what is recorded, not a wait for something.
+        std::thread::sleep(Duration::from_millis(1500));
+        recorder.signal("INT");
+        assert_eq!(recorder.end().code(), Some(0), "{}", said());
+        assert!(
+            said().contains("whole.mcap") && said().contains(" 0 dropped"),
+            "{}",
+            said()
+        );
+    }
+
+    #[test]
+    fn a_recording_replays_the_same_twice_and_a_torn_one_up_to_the_cut() {
+        let folder = Folder::new();
+        record(&folder);
+        let replay = |name: &str| {
+            let arguments = format!("fly --replay {name}.mcap --headless -o {name}.avi");
+            let ended = folder.run(&arguments).done();
+            (ended, folder.read(&format!("{name}.avi")))
+        };
+        let (told, bytes) = replay("whole");
+        assert!(
+            told.out.contains("ridges"),
+            "the recorded terrain: {told:?}"
+        );
+        assert!(!told.err.contains("torn"), "{told:?}");
+        let whole = avi(&bytes);
+        assert_eq!((whole.size, whole.frames_per_second), ([120, 36], 60));
+        // Its start, which takes 1.2 s of silence at least, and the second and a half.
+        assert!(whole.frames > 160, "{} frames", whole.frames);
+        assert_eq!(whole.pictures.len(), whole.frames as usize);
+        let last = &whole.pictures[whole.pictures.len() - 1];
+        assert_ne!(&whole.pictures[0], last, "the recorded head moves nothing");
+        assert!(
+            replay("whole").1 == bytes,
+            "another film from the same recording"
+        );
+
+        let recording = folder.read("whole.mcap");
+        folder.write("torn.mcap", &recording[..recording.len() * 7 / 10]);
+        let (told, bytes) = replay("torn");
+        for part in ["torn.mcap", "torn: it breaks off", "byte", "up to there"] {
+            assert!(told.err.contains(part), "no {part:?} in {told:?}");
+        }
+        let torn = avi(&bytes);
+        assert!(torn.frames < whole.frames, "{} frames", torn.frames);
+        assert!(torn.pictures.len() > whole.pictures.len() / 4);
+        let same = torn
+            .pictures
+            .iter()
+            .zip(&whole.pictures)
+            .take_while(|(t, w)| t == w);
+        assert_eq!(same.count(), torn.pictures.len());
+    }
+}
+
+#[test]
+fn an_existing_recording_is_never_overwritten() {
+    let folder = Folder::new();
+    folder.write("rig.toml", RIG);
+    folder.write("mine.mcap", "precious");
+    let refused = folder.run("record --rig rig.toml --seconds 1 -o mine.mcap");
+    refused.failed(1, &["mine.mcap", "never overwritten"]);
+    assert_eq!(folder.read("mine.mcap"), b"precious");
+}
+
+#[test]
+fn a_missing_port_is_told_once_with_the_remedy() {
+    let folder = Folder::new();
+    folder.write("rig.toml", RIG);
+    let arguments = "record --rig rig.toml --device flock=./none --seconds 0.5 -o a.mcap";
+    let said = folder.run(arguments).done().err;
+    let port = folder.file("none").display().to_string();
+    assert_eq!(said.matches(&port).count(), 1, "{said}");
+    assert!(said.contains("plug the device in"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_recorded_is_refused() {
+    let folder = Folder::new();
+    folder.write("rig.toml", RIG);
+    for (arguments, code, says) in [
+        ("--rig desktop -o a.mcap", 1, "no devices"),
+        ("--rig rig.toml --seconds 0 -o a.mcap", 2, "above 0"),
+        (
+            "--rig rig.toml --seconds 1 -o no/such/a.mcap",
+            1,
+            "no/such/a.mcap",
+        ),
+        ("--rig rig.toml", 2, "--output"),
+    ] {
+        let refused = folder.run(&format!("record {arguments}"));
+        refused.failed(code, &[says]);
+    }
+    assert_eq!(folder.names(), ["rig.toml"]);
+}

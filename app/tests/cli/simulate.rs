@@ -1,0 +1,97 @@
+//! `sandtable simulate flock`: its path, its link, its end.
+
+use crate::program::{Folder, Running, sandtable, wait_for};
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::Stdio;
+
+/// A simulated Flock that runs until it is dropped.
+pub(crate) struct Flock {
+    pub(crate) program: Running,
+    /// The first line that it printed.
+    pub(crate) path: PathBuf,
+}
+
+impl Flock {
+    /// Starts one in `folder`; it is there when this returns.
+    pub(crate) fn start(folder: &Folder, arguments: &str) -> Self {
+        let mut command = sandtable(folder.path());
+        command.args(["simulate", "flock"]);
+        command.args(arguments.split(' ').filter(|argument| !argument.is_empty()));
+        command.stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut program = Running(command.spawn().expect("the program starts"));
+        let out = program.0.stdout.take().expect("it is piped");
+        let mut line = String::new();
+        BufReader::new(out).read_line(&mut line).expect("its path");
+        let path = PathBuf::from(line.strip_suffix('\n').expect("a whole line"));
+        Self { program, path }
+    }
+}
+
+#[test]
+fn its_path_stands_alone_on_the_first_line() {
+    let folder = Folder::new();
+    let flock = Flock::start(&folder, "--birds 1");
+    assert!(flock.path.is_absolute(), "{:?}", flock.path);
+    let kind = std::fs::metadata(&flock.path).unwrap().file_type();
+    use std::os::unix::fs::FileTypeExt;
+    assert!(kind.is_char_device(), "no terminal at {:?}", flock.path);
+}
+
+#[test]
+fn its_link_lasts_as_long_as_it_runs() {
+    let folder = Folder::new();
+    for signal in ["INT", "TERM", "HUP"] {
+        let mut flock = Flock::start(&folder, "--link flock");
+        assert_eq!(flock.path, PathBuf::from("flock"));
+        let target = std::fs::read_link(folder.file("flock")).unwrap();
+        assert!(target.exists(), "{target:?}");
+        flock.program.signal(signal);
+        let status = flock.program.end();
+        assert_eq!(status.code(), Some(0), "after {signal}");
+        assert_eq!(folder.names(), [""; 0], "after {signal}");
+    }
+}
+
+#[test]
+fn the_link_of_a_killed_one_is_taken_over_and_nothing_else() {
+    let folder = Folder::new();
+    let mut flock = Flock::start(&folder, "--link flock");
+    flock.program.signal("KILL");
+    flock.program.end();
+    // The terminal goes with its last owner, and its number may be the next one's.
+    let target = std::fs::read_link(folder.file("flock")).unwrap();
+    wait_for("the terminal's end", || (!target.exists()).then_some(()));
+    let flock = Flock::start(&folder, "--link flock");
+    assert_eq!(flock.path, PathBuf::from("flock"));
+
+    let refused = folder.run("simulate flock --link flock");
+    refused.failed(1, &["flock", "remove it or name another path"]);
+    drop(flock);
+    folder.write("mine", "");
+    let refused = folder.run("simulate flock --link mine");
+    refused.failed(1, &["mine", "exists"]);
+    assert_eq!(folder.read("mine"), b"");
+    let refused = folder.run("simulate flock --link no/such/folder");
+    refused.failed(1, &["no/such/folder", "name a path"]);
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    let folder = Folder::new();
+    for (arguments, says) in [
+        ("--motion jump", &["jump", "still", "circle"][..]),
+        ("--birds 5", &["5", "1..=4"]),
+        (
+            "--birds 1 --hold 1,2,3,4,5,6 --hold 1,2,3,4,5,6",
+            &["--birds 2"],
+        ),
+        ("--hold 1,2,3", &["six numbers"]),
+        ("--hold 1,2,3,4,5,nan", &["inches and degrees"]),
+        ("--baud 0", &["115200"]),
+        ("--baud 14400", &["9600"]),
+    ] {
+        let refused = folder.run(&format!("simulate flock {arguments}"));
+        refused.failed(2, says);
+    }
+}

@@ -1,0 +1,112 @@
+//! `sandtable render --path`: flights along GPX tracks.
+
+use crate::formats::{avi, wav_seconds};
+use crate::program::{Folder, shared_data};
+
+const VIEW: &str = "size = [40, 30]\neye = [0.0, 0.0, 0.0]\n\
+                    camera = { horizontal_fov = 70.0 }\n\
+                    stereo = { separation = 30.0, screen_distance = 2000.0 }\n";
+
+/// A track of points: degrees of latitude and longitude, and what else is known of them.
+fn track(points: &[(f64, f64, &str)]) -> String {
+    let points: String = points
+        .iter()
+        .map(|(lat, lon, more)| format!("<trkpt lat=\"{lat}\" lon=\"{lon}\">{more}</trkpt>"))
+        .collect();
+    format!(
+        "<?xml version=\"1.0\"?><gpx version=\"1.1\" creator=\"a test\" \
+         xmlns=\"http://www.topografix.com/GPX/1/1\"><trk><trkseg>{points}</trkseg></trk></gpx>"
+    )
+}
+
+/// What a film of `terrain` along hike.gpx is made by.
+fn film(terrain: &str, more: &str) -> String {
+    format!("render {terrain} --path hike.gpx --view v.toml -o hike.avi --audio hike.wav{more}")
+}
+
+/// A park's terrain in two coordinate systems, if it is there.
+fn park() -> Option<[String; 2]> {
+    let data = shared_data()?;
+    Some(["rmnp-dem-utm13.tif", "rmnp-dem.tif"].map(|name| {
+        let path = data.join("rmnp").join(name);
+        path.to_str().expect("a path without oddities").to_owned()
+    }))
+}
+
+#[test]
+fn a_track_with_times_lasts_as_long_as_it_took() {
+    let Some(park) = park() else { return };
+    let folder = Folder::new();
+    folder.write("v.toml", VIEW);
+    let at = |second| format!("<ele>4400</ele><time>2026-05-01T10:00:0{second}Z</time>");
+    let [first, last] = [at(0), at(2)];
+    let points = [(40.30, -105.70, &*first), (40.32, -105.69, &*last)];
+    folder.write("hike.gpx", track(&points));
+    for terrain in park {
+        let said = folder.run(&film(&terrain, "")).done().out;
+        assert!(said.contains("hike.avi: 60 frames, 2.0 s"), "{said}");
+        let film = avi(&folder.read("hike.avi"));
+        assert_eq!((film.size, film.frames), ([40, 30], 60), "{terrain}");
+        assert_eq!((film.frames_per_second, film.pictures.len()), (30, 60));
+        assert_ne!(film.pictures[0], film.pictures[59], "it stands still");
+        let seconds = wav_seconds(&folder.read("hike.wav"));
+        assert!((seconds - 2.0).abs() < 1e-3, "{seconds} s of sound");
+    }
+}
+
+#[test]
+fn a_track_without_times_is_flown_at_the_speed_and_height_asked_for() {
+    let Some([terrain, _]) = park() else { return };
+    let folder = Folder::new();
+    folder.write("v.toml", VIEW);
+    // 0.018 degrees of latitude: 2 km, in a second at 2 km a second.
+    let points = [(40.300, -105.70, ""), (40.318, -105.70, "")];
+    folder.write("hike.gpx", track(&points));
+    let stereo = " --flight 2000 300 --stereo side-by-side";
+    folder.run(&film(&terrain, stereo)).done();
+    let film = avi(&folder.read("hike.avi"));
+    assert_eq!(film.size, [80, 30]);
+    // The ground rises along the way: a little longer than on the map.
+    assert!((30..=33).contains(&film.frames), "{} frames", film.frames);
+    let seconds = wav_seconds(&folder.read("hike.wav"));
+    assert!((seconds - f64::from(film.frames) / 30.0).abs() < 1e-3);
+}
+
+#[test]
+fn tracks_that_cannot_be_flown_are_refused_and_the_last_film_stays() {
+    let Some([terrain, _]) = park() else { return };
+    let folder = Folder::new();
+    folder.write("v.toml", VIEW);
+    folder.write("hike.avi", "an earlier film");
+    let here = (40.3, -105.7, "");
+    for (points, says) in [
+        (
+            &[(47.0, 8.0, ""), (47.1, 8.0, "")][..],
+            "lies over the terrain",
+        ),
+        (&[here][..], "two points or more"),
+        // A hundred kilometres at a metre a second.
+        (&[here, (41.3, -105.7, "")][..], "--flight SPEED HEIGHT"),
+    ] {
+        folder.write("hike.gpx", track(points));
+        let refused = folder.run(&film(&terrain, " --flight 1 300"));
+        refused.failed(1, &["hike.gpx", says]);
+    }
+    folder.write("hike.gpx", "no track");
+    let refused = folder.run(&film(&terrain, ""));
+    refused.failed(1, &["hike.gpx", "not a GPX file"]);
+    let refused = folder.run(&film(&terrain, " --flight 0 300"));
+    refused.failed(2, &["--flight", "above 0"]);
+    assert_eq!(folder.read("hike.avi"), b"an earlier film");
+    assert_eq!(folder.names(), ["hike.avi", "hike.gpx", "v.toml"]);
+}
+
+#[test]
+fn a_film_in_an_unknown_form_is_refused() {
+    let Some([terrain, _]) = park() else { return };
+    let folder = Folder::new();
+    let points = [(40.30, -105.70, ""), (40.32, -105.69, "")];
+    folder.write("hike.gpx", track(&points));
+    let refused = folder.run(&format!("render {terrain} --path hike.gpx -o hike.gif"));
+    refused.failed(2, &["hike.gif", ".avi", ".mp4", "folder"]);
+}
