@@ -150,3 +150,22 @@ fn make_link(target: &Path, link: &Path) -> Result<(), SimulatorError> {
         source,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_left_to_the_terminal_that_is_now_ours_is_taken_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("flock");
+        // A terminal that is there, as one whose number was free again; this one always is.
+        let ours = Path::new("/dev/pts/ptmx");
+        std::os::unix::fs::symlink(ours, &link).unwrap();
+        make_link(ours, &link).unwrap();
+        assert_eq!(std::fs::read_link(&link).unwrap(), ours);
+        let others = make_link(Path::new("/dev/pts/0"), &link);
+        // Where there is no /dev/pts, any link is one to a terminal that is gone.
+        assert!(others.is_err() || !ours.exists());
+    }
+}
