@@ -1,7 +1,7 @@
 //! Brute force: the judge of all other casters.
 
 use crate::image::{Image, fill_strips};
-use crate::intersect::GridRay;
+use crate::intersect::GridFrame;
 use crate::shade::shade;
 use crate::{Caster, PreparedScene, Scene};
 use sandtable_terrain::TileIndex;
@@ -42,14 +42,16 @@ impl PreparedScene for BruteScene {
     }
 
     fn cast(&self, views: &[View], images: &mut [Image]) {
-        let ground = &*self.scene.ground;
+        let frame = GridFrame::new(&self.scene.ground);
         fill_strips(views, images, |strip| {
+            let rays = strip.view.rays();
             for j in 0..strip.height() {
                 for i in 0..strip.width() {
-                    let ray = strip.view.ray(strip.first + i, j);
-                    let hit = GridRay::new(ground, ray.origin, ray.direction)
-                        .and_then(|ray| ray.first_hit(ray.enter));
-                    shade(strip, [i, j], ground, &ray, hit);
+                    let ray = rays.ray(strip.first + i, j);
+                    let hit = frame
+                        .clip(&ray)
+                        .and_then(|clipped| clipped.first_hit(clipped.enter));
+                    shade(strip, [i, j], frame.ground(), &ray, hit);
                 }
             }
         });

@@ -1,12 +1,12 @@
 //! Ray coherence along image columns (papers' row W5).
 
 use crate::image::{ColumnStrip, Image, STRIP_WIDTH, fill_strips};
-use crate::intersect::GridRay;
+use crate::intersect::{GridFrame, GridRay};
 use crate::shade::shade;
 use crate::{Caster, PreparedScene, Scene};
 use glam::DVec3;
-use sandtable_terrain::{Ground, TileIndex};
-use sandtable_view::View;
+use sandtable_terrain::TileIndex;
+use sandtable_view::{Rays, View};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -50,13 +50,14 @@ impl PreparedScene for CoherentScene {
     }
 
     fn cast(&self, views: &[View], images: &mut [Image]) {
-        let ground = &*self.scene.ground;
-        fill_strips(views, images, |strip| cast_strip(ground, strip));
+        let frame = GridFrame::new(&self.scene.ground);
+        fill_strips(views, images, |strip| cast_strip(&frame, strip));
     }
 }
 
 /// Casts a strip row by row, away from the point straight below the eye.
-fn cast_strip(ground: &Ground, strip: &mut ColumnStrip<'_>) {
+fn cast_strip(frame: &GridFrame<'_>, strip: &mut ColumnStrip<'_>) {
+    let rays = strip.view.rays();
     for rows in marches(&strip.view) {
         let upwards = rows.start < rows.end;
         let steps = rows.start.abs_diff(rows.end);
@@ -73,22 +74,28 @@ fn cast_strip(ground: &Ground, strip: &mut ColumnStrip<'_>) {
             } else {
                 rows.start - 1 - step
             };
-            cast_row(ground, strip, j, &mut reach[..width + 2]);
+            cast_row(frame, strip, &rays, j, &mut reach[..width + 2]);
         }
     }
 }
 
 /// Casts one row of a strip, each ray from the nearest reach of the three pixels before it.
-fn cast_row(ground: &Ground, strip: &mut ColumnStrip<'_>, j: u32, reach: &mut [f64]) {
+fn cast_row(
+    frame: &GridFrame<'_>,
+    strip: &mut ColumnStrip<'_>,
+    rays: &Rays,
+    j: u32,
+    reach: &mut [f64],
+) {
     let mut left = reach[0];
     for i in 0..strip.width() {
         let at = i as usize + 1;
         let nearest = left.min(reach[at]).min(reach[at + 1]);
         left = reach[at];
-        let ray = strip.view.ray(strip.first + i, j);
+        let ray = rays.ray(strip.first + i, j);
         let along_ground = ray.direction.truncate().length();
         let mut hit = None;
-        if let Some(grid_ray) = GridRay::new(ground, ray.origin, ray.direction) {
+        if let Some(grid_ray) = frame.clip(&ray) {
             if along_ground > 0.0 {
                 hit = first_hit_from(&grid_ray, nearest / along_ground);
                 reach[at] = hit.unwrap_or(grid_ray.leave) * along_ground;
@@ -97,7 +104,7 @@ fn cast_row(ground: &Ground, strip: &mut ColumnStrip<'_>, j: u32, reach: &mut [f
                 reach[at] = 0.0;
             }
         }
-        shade(strip, [i, j], ground, &ray, hit);
+        shade(strip, [i, j], frame.ground(), &ray, hit);
     }
 }
 
@@ -122,16 +129,24 @@ fn marches(view: &View) -> [Range<u32>; 2] {
 
 /// The first hit at or after `start`, or, where that is inside the terrain, the hit found by
 /// retracing towards the eye.
+#[inline]
 fn first_hit_from(ray: &GridRay<'_>, start: f64) -> Option<f64> {
     let mut from = start.max(ray.enter);
     if from > ray.leave {
         return None;
     }
-    // Half a cell back at first, then ever further, until the air is reached.
+    let hit = ray.first_hit(from);
+    if hit != Some(from) || from <= ray.enter {
+        return hit;
+    }
+    // The start itself is inside: half a cell back at first, then ever further, until the air is
+    // reached.
     let mut back = ray.half_cell();
-    while from > ray.enter && ray.clearance(from) <= 0.0 {
+    loop {
         from = (from - back).max(ray.enter);
+        if from <= ray.enter || ray.clearance(from) > 0.0 {
+            return ray.first_hit(from);
+        }
         back *= 1.5;
     }
-    ray.first_hit(from)
 }

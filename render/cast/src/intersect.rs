@@ -2,63 +2,89 @@
 
 use glam::DVec3;
 use sandtable_terrain::Ground;
+use sandtable_view::Ray;
 
-/// A ray in grid coordinates: x and y in posts from the south-west one, z in metres.
+/// The ground as rays meet it: what all of them share.
+pub(crate) struct GridFrame<'a> {
+    ground: &'a Ground,
+    /// From world metres to grid coordinates: x and y in posts from the south-west one, z in
+    /// metres.
+    per_metre: DVec3,
+    /// The last post's x and y.
+    size: [f64; 2],
+    highest: f64,
+}
+
+impl<'a> GridFrame<'a> {
+    pub(crate) fn new(ground: &'a Ground) -> Self {
+        let grid = ground.grid();
+        Self {
+            ground,
+            per_metre: DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0),
+            size: [f64::from(grid.cols - 1), f64::from(grid.rows - 1)],
+            highest: f64::from(ground.range()[1]),
+        }
+    }
+
+    pub(crate) fn ground(&self) -> &'a Ground {
+        self.ground
+    }
+
+    /// Clips a world ray to the terrain; `None` where it passes by.
+    #[inline]
+    pub(crate) fn clip(&self, ray: &Ray) -> Option<GridRay<'_>> {
+        let (origin, direction) = (ray.origin * self.per_metre, ray.direction * self.per_metre);
+        // Rising above the highest post ends a ray; falling below it begins one. Below there is no
+        // end: the terrain reaches down for ever.
+        let (mut enter, mut leave) = (0.0, f64::INFINITY);
+        if direction.z > 0.0 {
+            leave = (self.highest - origin.z) / direction.z;
+        } else if origin.z > self.highest {
+            if direction.z == 0.0 {
+                return None;
+            }
+            enter = (self.highest - origin.z) / direction.z;
+        }
+        let inverse = [1.0 / direction.x, 1.0 / direction.y];
+        for axis in 0..2 {
+            let (o, size) = (origin[axis], self.size[axis]);
+            if direction[axis] == 0.0 {
+                if o < 0.0 || o > size {
+                    return None;
+                }
+            } else {
+                let (a, b) = (-o * inverse[axis], (size - o) * inverse[axis]);
+                enter = enter.max(a.min(b));
+                leave = leave.min(a.max(b));
+            }
+        }
+        (enter <= leave).then_some(GridRay {
+            frame: self,
+            origin,
+            direction,
+            inverse,
+            enter,
+            leave,
+        })
+    }
+}
+
+/// A ray in grid coordinates.
 ///
 /// The parameter t is the world ray's own, so that a hit's distance is t times the length of the
 /// world direction.
 pub(crate) struct GridRay<'a> {
-    ground: &'a Ground,
+    frame: &'a GridFrame<'a>,
     origin: DVec3,
     direction: DVec3,
+    /// One over the direction's x and y.
+    inverse: [f64; 2],
     /// Where the ray is within the rectangle of posts and not above the highest one, for t ≥ 0.
     pub(crate) enter: f64,
     pub(crate) leave: f64,
 }
 
-impl<'a> GridRay<'a> {
-    /// Clips the ray to the terrain; `None` where it passes by.
-    #[inline]
-    pub(crate) fn new(ground: &'a Ground, origin: DVec3, direction: DVec3) -> Option<Self> {
-        let grid = ground.grid();
-        let posts_per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
-        let (origin, direction) = (origin * posts_per_metre, direction * posts_per_metre);
-        let highest = f64::from(ground.range()[1]);
-        // Rising above the highest post ends a ray; falling below it begins one. Below there is no
-        // end: the terrain reaches down for ever.
-        let (mut enter, mut leave) = (0.0, f64::INFINITY);
-        if direction.z > 0.0 {
-            leave = (highest - origin.z) / direction.z;
-        } else if origin.z > highest {
-            if direction.z == 0.0 {
-                return None;
-            }
-            enter = (highest - origin.z) / direction.z;
-        }
-        let slabs = [
-            (origin.x, direction.x, f64::from(grid.cols - 1)),
-            (origin.y, direction.y, f64::from(grid.rows - 1)),
-        ];
-        for (o, d, size) in slabs {
-            if d == 0.0 {
-                if o < 0.0 || o > size {
-                    return None;
-                }
-            } else {
-                let (a, b) = (-o / d, (size - o) / d);
-                enter = enter.max(a.min(b));
-                leave = leave.min(a.max(b));
-            }
-        }
-        (enter <= leave).then_some(Self {
-            ground,
-            origin,
-            direction,
-            enter,
-            leave,
-        })
-    }
-
+impl GridRay<'_> {
     /// The ray's x and y at `t`, in posts.
     pub(crate) fn place(&self, t: f64) -> [f64; 2] {
         [
@@ -70,7 +96,7 @@ impl<'a> GridRay<'a> {
     /// The ray's height over the ground at `t`, in metres; negative inside the terrain.
     pub(crate) fn clearance(&self, t: f64) -> f64 {
         let [x, y] = self.place(t);
-        let (cell, place) = self.ground.heights().locate(x, y);
+        let (cell, place) = self.frame.ground.heights().locate(x, y);
         self.origin.z + t * self.direction.z - self.surface(cell).at(place)
     }
 
@@ -81,7 +107,7 @@ impl<'a> GridRay<'a> {
     }
 
     fn surface(&self, cell: [u32; 2]) -> Surface {
-        Surface::new(self.ground.heights().cell(cell[0], cell[1]))
+        Surface::new(self.frame.ground.heights().cell(cell[0], cell[1]))
     }
 
     /// The first t in [`from`, `leave`] at which the ray is in the terrain, `from` itself where it
@@ -195,13 +221,16 @@ struct CellWalk {
     size: [u32; 2],
     origin: [f64; 2],
     direction: [f64; 2],
+    inverse: [f64; 2],
 }
 
 impl CellWalk {
     fn new(ray: &GridRay<'_>, from: f64) -> Self {
-        let size = [ray.ground.grid().cols - 1, ray.ground.grid().rows - 1];
+        let grid = ray.frame.ground.grid();
+        let size = [grid.cols - 1, grid.rows - 1];
         let origin = [ray.origin.x, ray.origin.y];
         let direction = [ray.direction.x, ray.direction.y];
+        let inverse = ray.inverse;
         let place = ray.place(from);
         let cell = std::array::from_fn(|k| {
             // Negative numbers, from rounding at the border, saturate to 0.
@@ -219,6 +248,7 @@ impl CellWalk {
             size,
             origin,
             direction,
+            inverse,
         };
         for axis in 0..2 {
             walk.aim(axis);
@@ -234,7 +264,7 @@ impl CellWalk {
         let direction = self.direction[axis];
         if direction != 0.0 {
             let line = self.segment.cell[axis] + u32::from(direction > 0.0);
-            self.next[axis] = (f64::from(line) - self.origin[axis]) / direction;
+            self.next[axis] = (f64::from(line) - self.origin[axis]) * self.inverse[axis];
         }
     }
 

@@ -39,4 +39,4 @@ pub use eyes::{Eyes, EyesInHead, StereoPair};
 pub use file::{ViewFile, ViewFileError};
 pub use placement::Placement;
 pub use screen::Screen;
-pub use view::{Ray, View};
+pub use view::{Ray, Rays, View};

@@ -28,23 +28,29 @@ pub struct View {
 }
 
 impl View {
+    /// What all pixels' rays share, for casting many of them.
+    #[must_use]
+    pub fn rays(&self) -> Rays {
+        let [w, h] = self.size;
+        Rays {
+            origin: self.eye,
+            corner: self.window.upper_left - self.eye,
+            right: self.window.across() / f64::from(w),
+            down: -self.window.upwards() / f64::from(h),
+        }
+    }
+
     /// The ray's direction through image coordinates `(x, y)` in pixels, y down, so that pixel
     /// (i, j)'s centre is `(i + ½, j + ½)`.
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
-        let [w, h] = self.size;
-        self.window.upper_left + x / f64::from(w) * self.window.across()
-            - y / f64::from(h) * self.window.upwards()
-            - self.eye
+        self.rays().direction(x, y)
     }
 
     /// The ray through the centre of pixel (i, j).
     #[must_use]
     pub fn ray(&self, i: u32, j: u32) -> Ray {
-        Ray {
-            origin: self.eye,
-            direction: self.direction(f64::from(i) + 0.5, f64::from(j) + 0.5),
-        }
+        self.rays().ray(i, j)
     }
 
     /// Where `point` is seen, in image coordinates (pixels, y down), or `None` where it is not in
@@ -75,6 +81,36 @@ impl View {
         volume.is_finite()
             && self.eye.is_finite()
             && volume.abs() > 1e-12 * across.length() * upwards.length() * across.length()
+    }
+}
+
+/// The rays of one view: its eye, and steps from pixel to pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rays {
+    origin: DVec3,
+    /// The direction through the image's upper left corner.
+    corner: DVec3,
+    /// One pixel to the right, and one down.
+    right: DVec3,
+    down: DVec3,
+}
+
+impl Rays {
+    /// As [`View::direction`].
+    #[inline]
+    #[must_use]
+    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+        self.corner + x * self.right + y * self.down
+    }
+
+    /// As [`View::ray`].
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, i: u32, j: u32) -> Ray {
+        Ray {
+            origin: self.origin,
+            direction: self.direction(f64::from(i) + 0.5, f64::from(j) + 0.5),
+        }
     }
 }
 
