@@ -66,7 +66,7 @@ impl Film {
             direct(session, frame);
             let views = session.views(self.eye_size, self.stereo.is_stereo());
             images.resize_with(views.len(), Image::default);
-            pool.cast(&**session.prepared(), &views, &mut images);
+            pool.cast(&**session.prepared(), &views, &mut images)?;
             let right = images.last().unwrap_or(&images[0]);
             let picture = compose(&images[0], right, self.stereo, self.swap_eyes, frame_size);
             video.push(cast_slice(picture.as_raw()))?;

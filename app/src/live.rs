@@ -99,6 +99,7 @@ impl Show for Live {
         }
         // A gamepad has no event that would wake the window: while one is there, it is asked.
         let mut moving = self.session.drive(&drive, step) || pad.is_some();
+        moving |= self.session.settle_caster();
         match &mut self.timeline {
             Timeline::Live { clock, tape, .. } => {
                 let time = clock.now();

@@ -3,7 +3,7 @@
 use crate::cli::TerrainArgs;
 use crate::exit::usage;
 use anyhow::Result;
-use sandtable_cast::{CASTERS, Caster, Scene, caster_by_name};
+use sandtable_cast::{Caster, Scene, caster_by_name};
 use sandtable_terrain::{Terrain, TerrainSource};
 use std::sync::Arc;
 
@@ -43,13 +43,18 @@ pub(crate) fn open(args: &TerrainArgs) -> Result<OpenScene> {
     })
 }
 
-/// The caster of that name.
-pub(crate) fn caster(name: &str) -> Result<&'static dyn Caster> {
-    caster_by_name(name).ok_or_else(|| {
-        let known: Vec<_> = CASTERS.iter().map(|caster| caster.name()).collect();
-        usage(format!(
-            "no caster is called {name:?}: use {}",
-            known.join(" or ")
-        ))
-    })
+/// A caster, and the words that asked for it.
+#[derive(Clone)]
+pub(crate) struct ChosenCaster {
+    /// Its name, with its options as they were given.
+    pub(crate) name: String,
+    /// The caster.
+    pub(crate) caster: Arc<dyn Caster>,
+}
+
+/// The caster that `name` asks for: a name, or `name?key=value&key=value`.
+pub(crate) fn caster(name: &str) -> Result<ChosenCaster> {
+    let caster = caster_by_name(name).map_err(usage)?;
+    let name = name.to_owned();
+    Ok(ChosenCaster { name, caster })
 }

@@ -5,10 +5,11 @@ use crate::exit::usage;
 use crate::film::Film;
 use crate::notice::notice;
 use crate::scene;
+use crate::scene::ChosenCaster;
 use crate::session::{Session, Viewpoint};
 use anyhow::{Context, Result, bail};
 use glam::{DVec2, DVec3};
-use sandtable_cast::{CastPool, Caster};
+use sandtable_cast::CastPool;
 use sandtable_config::Rig;
 use sandtable_input::Hub;
 use sandtable_terrain::{Georeference, Ground};
@@ -30,7 +31,7 @@ pub(crate) fn render(
     args: &RenderArgs,
     path: &Path,
     view: Option<&ViewFile>,
-    caster: &'static dyn Caster,
+    caster: &ChosenCaster,
 ) -> Result<()> {
     let open = scene::open(&args.terrain)?;
     let (speed, height) = (args.flight[0], args.flight[1]);
@@ -50,7 +51,7 @@ pub(crate) fn render(
     let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
     let rig = Rig::builtin("desktop")?;
     let hub = Arc::new(Hub::for_rig(&rig));
-    let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub);
+    let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub)?;
     let eye_size = view.map_or([960, 540], ViewFile::size);
     if let (
         Some(view),

@@ -43,7 +43,7 @@ pub fn marked_plane(size: DVec2, z: f64, marker: Marker) -> Arc<Scene> {
 pub fn centroid(image: &Image) -> Option<DVec2> {
     let width = image.width();
     let mut sum = DVec3::ZERO;
-    for (index, (colour, depth)) in image.colour.iter().zip(&image.depth).enumerate() {
+    for (index, (colour, depth)) in image.colour().iter().zip(&image.depth).enumerate() {
         if depth.is_finite() {
             let (i, j) = (index as u32 % width, index as u32 / width);
             let red = f64::from(colour[0]);

@@ -47,7 +47,9 @@ fn other_views(ground: &Ground) -> Vec<(&'static str, f64, View)> {
 fn cast(caster: &dyn Caster, scene: &Arc<Scene>, views: &[View]) -> Vec<Image> {
     let mut images = vec![Image::default(); views.len()];
     let pool = CastPool::new(0).expect("threads");
-    pool.cast(&*caster.prepare(Arc::clone(scene)), views, &mut images);
+    let prepared = caster.prepare(Arc::clone(scene)).expect("no options");
+    pool.cast(&*prepared, views, &mut images)
+        .expect("any view will do");
     images
 }
 

@@ -79,10 +79,11 @@ fn views(rig: &Rig, head: &Rigid) -> [View; 2] {
 
 fn cast(caster: &dyn Caster, scene: &Arc<Scene>, views: &[View]) -> Vec<Image> {
     let mut images = vec![Image::default(); views.len()];
-    let prepared = caster.prepare(Arc::clone(scene));
+    let prepared = caster.prepare(Arc::clone(scene)).unwrap();
     CastPool::new(2)
         .unwrap()
-        .cast(&*prepared, views, &mut images);
+        .cast(&*prepared, views, &mut images)
+        .unwrap();
     images
 }
 

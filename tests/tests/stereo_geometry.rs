@@ -18,11 +18,11 @@ const EYES: [DVec3; 3] = [
 
 fn cast(scene: &Arc<Scene>, views: &[View]) -> Vec<Image> {
     let mut images = vec![Image::default(); views.len()];
-    CastPool::new(2).expect("two threads").cast(
-        &*Brute.prepare(Arc::clone(scene)),
-        views,
-        &mut images,
-    );
+    let prepared = Brute.prepare(Arc::clone(scene)).expect("no options");
+    CastPool::new(2)
+        .expect("two threads")
+        .cast(&*prepared, views, &mut images)
+        .expect("any view will do");
     images
 }
 
@@ -358,8 +358,8 @@ fn mirrored_input_gives_mirrored_images_with_the_eyes_exchanged() {
                 let opposite = (j * size[0] + size[0] - 1 - i) as usize;
                 let (a, b) = (image.depth[at], mirror.depth[opposite]);
                 let same_depth = a == b || (a - b).abs() < 1e-4 * a;
-                let same_colour =
-                    (0..3).all(|k| image.colour[at][k].abs_diff(mirror.colour[opposite][k]) <= 1);
+                let same_colour = (0..3)
+                    .all(|k| image.colour()[at][k].abs_diff(mirror.colour()[opposite][k]) <= 1);
                 differing += u32::from(!(same_depth && same_colour));
                 ground += u32::from(a.is_finite());
             }

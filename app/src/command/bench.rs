@@ -6,7 +6,7 @@ use crate::exit::usage;
 use crate::{resident, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::{
-    Brute, CASTERS, CastPool, Caster, Difference, Image, PreparedScene, ShadeFloor, standpoints,
+    Brute, CASTERS, CastPool, Difference, Image, PreparedScene, ShadeFloor, standpoints,
 };
 use sandtable_view::View;
 use serde::Serialize;
@@ -17,7 +17,7 @@ use std::time::Instant;
 /// One line of figures. The names are those that other programs read.
 #[derive(Serialize)]
 struct Figures {
-    caster: &'static str,
+    caster: String,
     view: String,
     threads: usize,
     isa: &'static str,
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
         return Err(usage("--frames must be at least 1"));
     }
     let casters = match args.caster.as_slice() {
-        [] => vec![CASTERS[0]],
+        [] => vec![scene::caster(CASTERS[0].name)?],
         names => names
             .iter()
             .map(|name| scene::caster(name))
@@ -73,7 +73,8 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
             .map(|path| Ok((path.display().to_string(), read_view(path)?.mono())))
             .collect::<Result<_>>()?,
     };
-    let first = first_picture(casters[0], &open.scene, views[0].1)?;
+    let all_cores = CastPool::new(0).context("cannot start the casting threads")?;
+    let first = all_cores.picture(&*casters[0].caster, &open.scene, views[0].1)?;
     let first_picture_ms = started.elapsed().as_secs_f64() * 1e3;
     drop(first);
     let peak_resident_bytes = resident::peak_bytes();
@@ -86,13 +87,13 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
     for (name, view) in &views {
         let exact = args
             .check
-            .then(|| first_picture(&Brute, &open.scene, *view))
+            .then(|| all_cores.picture(&Brute, &open.scene, *view))
             .transpose()?;
         for &threads in &args.threads {
             let pool = CastPool::new(threads).context("cannot start the casting threads")?;
-            for &caster in &casters {
-                let prepared = pool.run(|| caster.prepare(Arc::clone(&open.scene)));
-                let timed = time(&pool, &*prepared, *view, args.frames);
+            for caster in &casters {
+                let prepared = pool.run(|| caster.caster.prepare(Arc::clone(&open.scene)))?;
+                let timed = time(&pool, &*prepared, *view, args.frames)?;
                 let check = exact.as_ref().map(|exact| {
                     let difference =
                         Difference::between(&timed.image, exact, ground.grid().cell_length());
@@ -105,7 +106,7 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
                 });
                 let rays = u64::from(view.size[0]) * u64::from(view.size[1]);
                 lines.push(Figures {
-                    caster: caster.name(),
+                    caster: caster.name.clone(),
                     view: name.clone(),
                     threads: pool.threads(),
                     isa: "generic",
@@ -130,20 +131,6 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
         print_table(&mut out, &open.name, &ground, &lines)?;
     }
     Ok(())
-}
-
-/// Casts one image on all cores.
-fn first_picture(
-    caster: &dyn Caster,
-    scene: &Arc<sandtable_cast::Scene>,
-    view: View,
-) -> Result<Image> {
-    let pool = CastPool::new(0).context("cannot start the casting threads")?;
-    let mut images = [Image::default()];
-    let prepared = pool.run(|| caster.prepare(Arc::clone(scene)));
-    pool.cast(&*prepared, &[view], &mut images);
-    let [image] = images;
-    Ok(image)
 }
 
 /// Times in milliseconds, in order.
@@ -177,18 +164,22 @@ struct Timed {
     image: Image,
 }
 
-fn time(pool: &CastPool, prepared: &dyn PreparedScene, view: View, frames: usize) -> Timed {
+fn time(pool: &CastPool, prepared: &dyn PreparedScene, view: View, frames: usize) -> Result<Timed> {
     let mut images = [Image::default()];
-    let cast = Times::of(frames, || pool.cast(prepared, &[view], &mut images));
+    // A view that the caster refuses is refused before anything is timed.
+    pool.cast(prepared, &[view], &mut images)?;
+    let cast = Times::of(frames, || {
+        let _ = pool.cast(prepared, &[view], &mut images);
+    });
     let [image] = images;
     let mut floor = ShadeFloor::new(&image);
     let ground = &prepared.scene().ground;
     let shade_only = Times::of(frames, || pool.run(|| floor.shade(ground)));
-    Timed {
+    Ok(Timed {
         frames: cast,
         shade_only,
         image,
-    }
+    })
 }
 
 fn print_table(
@@ -251,11 +242,11 @@ fn print_table(
 
 /// How many times as fast as brute force each other caster is, where brute force was timed too.
 fn print_ratios(out: &mut impl Write, lines: &[Figures]) -> io::Result<()> {
-    let is_brute = |line: &&Figures| line.caster == Brute.name();
+    let is_brute = |line: &&Figures| line.caster == "brute";
     let mut groups: Vec<(&str, usize)> = Vec::new();
     for line in lines.iter().filter(|line| !is_brute(line)) {
-        if !groups.contains(&(line.caster, line.threads)) {
-            groups.push((line.caster, line.threads));
+        if !groups.contains(&(line.caster.as_str(), line.threads)) {
+            groups.push((&line.caster, line.threads));
         }
     }
     for (caster, threads) in groups {

@@ -48,7 +48,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     let open = scene::open(&terrain)?;
     let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
     let hub = Arc::new(Hub::for_rig(&rig));
-    let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub);
+    let mut session = Session::new(rig, &open, &caster, Arc::clone(&pool), hub)?;
     match display {
         Ok(display) => {
             let clock = Clock::start();

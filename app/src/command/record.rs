@@ -28,7 +28,8 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let open = scene::open(&args.terrain)?;
     let pool = Arc::new(CastPool::new(0).context("cannot start the casting threads")?);
     let hub = Arc::new(Hub::for_rig(&rig));
-    let session = Session::new(rig, &open, CASTERS[0], pool, Arc::clone(&hub));
+    let caster = scene::caster(CASTERS[0].name)?;
+    let session = Session::new(rig, &open, &caster, pool, Arc::clone(&hub))?;
     let stop = interrupt::channel()?;
     let clock = Clock::start();
     let tape = Tape::create(&args.output, &session, &args.terrain, clock.now())?;

@@ -16,15 +16,15 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let caster = scene::caster(&args.caster)?;
     let view_file = args.view.as_deref().map(read_view).transpose()?;
     if let Some(path) = &args.path {
-        return track::render(args, path, view_file.as_ref(), caster);
+        return track::render(args, path, view_file.as_ref(), &caster);
     }
     let view_file = view_file.ok_or_else(|| usage("a view file is needed: --view FILE"))?;
     let views = views(&view_file, args.stereo).map_err(usage)?;
     let open = scene::open(&args.terrain)?;
     let pool = CastPool::new(args.threads).context("cannot start the casting threads")?;
-    let prepared = pool.run(|| caster.prepare(Arc::clone(&open.scene)));
+    let prepared = pool.run(|| caster.caster.prepare(Arc::clone(&open.scene)))?;
     let mut images = vec![Image::default(); views.len()];
-    pool.cast(&*prepared, &views, &mut images);
+    pool.cast(&*prepared, &views, &mut images)?;
 
     write_image(&args.output, &composed(&images, args.stereo))?;
     if let Some(path) = &args.depth {

@@ -2,9 +2,9 @@
 
 use super::{Session, Viewpoint};
 use crate::navigation::Pace;
+use crate::scene;
 use crate::window::{Device, Drive, Readings, TableReadings, Wish};
 use glam::DVec3;
-use sandtable_cast::caster_by_name;
 use sandtable_view::{Attitude, Placement};
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +15,7 @@ impl Session {
         let seconds = step.as_secs_f64();
         let before = (self.viewpoint.clone(), self.head.table_from_body());
         let start = self.position();
-        let ground = Arc::clone(&self.prepared.scene().ground);
+        let ground = Arc::clone(&self.casting.prepared().scene().ground);
         match &mut self.viewpoint {
             Viewpoint::Camera {
                 camera,
@@ -99,11 +99,10 @@ impl Session {
             (Wish::Table(table), Viewpoint::Table { flight, .. }) => {
                 flight.set_scale(table.scale, table.exaggeration);
             }
-            (Wish::Caster(name), _) => {
-                if let Some(caster) = caster_by_name(name) {
-                    self.set_caster(caster);
-                }
-            }
+            (Wish::Caster(name), _) => match scene::caster(name) {
+                Ok(caster) => self.change_caster(caster),
+                Err(error) => self.say(format!("{error:#}")),
+            },
             // A camera has no table, and what is not a number is no wish.
             (Wish::Position(_) | Wish::Table(_), _) => {}
         }
@@ -149,7 +148,7 @@ impl Session {
             attitude,
             speed,
             table,
-            caster: self.caster.name(),
+            caster: self.casting.name().to_owned(),
             devices: self.device_lines(),
             messages: self.messages.clone(),
         }

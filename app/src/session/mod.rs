@@ -4,6 +4,7 @@
 //! shows what the live session showed.
 
 mod body;
+mod casting;
 mod drive;
 mod sound;
 
@@ -11,10 +12,12 @@ pub(crate) use body::Body;
 pub(crate) use sound::summit;
 
 use crate::navigation::{FlyCamera, Pace, TableFlight};
-use crate::scene::OpenScene;
+use crate::scene::{ChosenCaster, OpenScene};
 use crate::vantage;
+use anyhow::Result;
+use casting::Casting;
 use glam::DVec3;
-use sandtable_cast::{CastPool, Caster, PreparedScene};
+use sandtable_cast::{CastPool, PreparedScene};
 use sandtable_config::{Rig, Viewing};
 use sandtable_input::Hub;
 use sandtable_pose::Nanos;
@@ -49,8 +52,7 @@ pub(crate) enum Viewpoint {
 pub(crate) struct Session {
     rig: Rig,
     terrain: String,
-    caster: &'static dyn Caster,
-    prepared: Arc<dyn PreparedScene>,
+    casting: Casting,
     pool: Arc<CastPool>,
     viewpoint: Viewpoint,
     home: Viewpoint,
@@ -69,24 +71,23 @@ impl Session {
     pub(crate) fn new(
         rig: Rig,
         open: &OpenScene,
-        caster: &'static dyn Caster,
+        caster: &ChosenCaster,
         pool: Arc<CastPool>,
         hub: Arc<Hub>,
-    ) -> Self {
+    ) -> Result<Self> {
         let ground = &open.scene.ground;
         let viewpoint = viewpoint(&rig, ground);
-        let prepared = pool.run(|| caster.prepare(Arc::clone(&open.scene)));
+        let casting = Casting::new(caster, &open.scene, &pool)?;
         let head = rig.head.as_ref().map_or_else(Body::default, |head| {
             Body::new(head.sensor.clone(), head.rest)
         });
         let hand = rig.hand.as_ref().map_or_else(Body::default, |hand| {
             Body::new(hand.sensor.clone(), hand.rest)
         });
-        Self {
+        Ok(Self {
             rig,
             terrain: open.name.clone(),
-            caster,
-            prepared,
+            casting,
             pool,
             home: viewpoint.clone(),
             viewpoint,
@@ -96,17 +97,17 @@ impl Session {
             time: Nanos::default(),
             airspeed: 0.0,
             messages: Vec::new(),
-        }
+        })
     }
 
     /// The ground in view.
     pub(crate) fn ground(&self) -> &Ground {
-        &self.prepared.scene().ground
+        &self.casting.prepared().scene().ground
     }
 
     /// The scene, prepared by the caster in use.
     pub(crate) fn prepared(&self) -> &Arc<dyn PreparedScene> {
-        &self.prepared
+        self.casting.prepared()
     }
 
     /// The rig it runs on.
@@ -208,11 +209,19 @@ impl Session {
         }
     }
 
-    /// Casts by another caster from now on.
-    pub(crate) fn set_caster(&mut self, caster: &'static dyn Caster) {
-        let scene = Arc::clone(self.prepared.scene());
-        self.prepared = self.pool.run(|| caster.prepare(scene));
-        self.caster = caster;
+    /// Casts by another caster as soon as it is prepared.
+    pub(crate) fn change_caster(&mut self, caster: ChosenCaster) {
+        if let Err(error) = self.casting.change(caster, &self.pool) {
+            self.say(format!("{error:#}"));
+        }
+    }
+
+    /// Takes a caster that has been prepared into use; whether another is still being prepared.
+    pub(crate) fn settle_caster(&mut self) -> bool {
+        if let Err(error) = self.casting.settle() {
+            self.say(format!("{error:#}"));
+        }
+        self.casting.is_changing()
     }
 
     /// How fast the flight is, in world metres a second, where it is not driven.

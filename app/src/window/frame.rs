@@ -91,6 +91,8 @@ impl Shell<'_> {
         let mut messages = self.messages.clone();
         if open.caster.has_ended() {
             messages.push("the caster has broken down: start the program anew".into());
+        } else if let Some(refusal) = open.caster.refusal() {
+            messages.push(refusal.to_string());
         }
         let vitals = Vitals {
             cast_ms: self.cast.last_ms(),

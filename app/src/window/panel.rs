@@ -172,13 +172,12 @@ fn flight(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
 fn picture(ui: &mut Ui, settings: &mut Settings, readings: &Readings, wishes: &mut Vec<Wish>) {
     ui.label("caster");
     ComboBox::from_id_salt("caster")
-        .selected_text(readings.caster)
+        .selected_text(&readings.caster)
         .show_ui(ui, |ui| {
-            for caster in CASTERS {
-                let (name, mut chosen) = (caster.name(), readings.caster);
-                let label = ui.selectable_value(&mut chosen, name, name);
-                if label.on_hover_text(caster.summary()).clicked() {
-                    wishes.push(Wish::Caster(name));
+            for kind in &CASTERS {
+                let label = ui.selectable_label(readings.caster == kind.name, kind.name);
+                if label.on_hover_text(kind.summary).clicked() {
+                    wishes.push(Wish::Caster(kind.name));
                 }
             }
         });
@@ -323,7 +322,7 @@ mod tests {
                 roll: 0.3,
             },
             speed: 123.456_789,
-            caster: CASTERS[0].name(),
+            caster: CASTERS[0].name.to_owned(),
             messages: vec!["a message".into(); 9],
             ..Default::default()
         };

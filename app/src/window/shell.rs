@@ -108,9 +108,9 @@ impl<'a> Shell<'a> {
             Command::Stereo(mode) => self.settings.mode = mode,
             Command::NextCaster => {
                 let present = self.show.readings().caster;
-                let index = CASTERS.iter().position(|caster| caster.name() == present);
+                let index = CASTERS.iter().position(|kind| kind.name == present);
                 let following = index.map_or(0, |index| (index + 1) % CASTERS.len());
-                self.show.apply(Wish::Caster(CASTERS[following].name()));
+                self.show.apply(Wish::Caster(CASTERS[following].name));
             }
             Command::FullScreen => {
                 if let Some(open) = &self.open {

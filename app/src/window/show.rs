@@ -68,8 +68,8 @@ pub(crate) struct Readings {
     pub(crate) speed: f64,
     /// How the world lies on the table, where there is one.
     pub(crate) table: Option<TableReadings>,
-    /// The name of the caster in use, one of [`sandtable_cast::CASTERS`].
-    pub(crate) caster: &'static str,
+    /// The caster in use: one of [`sandtable_cast::CASTERS`], with its options.
+    pub(crate) caster: String,
     /// The devices and how they are.
     pub(crate) devices: Vec<Device>,
     /// What people should know, the newest last.

@@ -1,6 +1,6 @@
 //! Casting in the background: newest views in, newest finished images out.
 
-use crate::{CastPool, Image, PreparedScene};
+use crate::{CastError, CastPool, Image, PreparedScene};
 use sandtable_view::View;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -33,6 +33,8 @@ struct Mailbox {
     request: Option<Request>,
     /// The newest finished images.
     finished: Option<Arc<Finished>>,
+    /// Why the newest request begun was not cast.
+    refusal: Option<CastError>,
     stop: bool,
 }
 
@@ -46,7 +48,7 @@ pub struct BackgroundCaster {
 }
 
 impl BackgroundCaster {
-    /// Starts the thread. `on_finished` is called on it after each result.
+    /// Starts the thread. `on_finished` is called on it after each result or refusal.
     ///
     /// # Errors
     /// Where the system refuses to start a thread.
@@ -68,13 +70,21 @@ impl BackgroundCaster {
                         .map_or_else(Vec::new, |old| old.images);
                     images.resize_with(request.views.len(), Image::default);
                     let begin = Instant::now();
-                    pool.cast(&*request.scene, &request.views, &mut images);
+                    if let Err(error) = pool.cast(&*request.scene, &request.views, &mut images) {
+                        lock(&theirs.0).refusal = Some(error);
+                        on_finished();
+                        continue;
+                    }
                     let finished = Arc::new(Finished {
                         images,
                         frame: request.frame,
                         cast_time: begin.elapsed(),
                     });
-                    let old = lock(&theirs.0).finished.replace(finished);
+                    let old = {
+                        let mut mailbox = lock(&theirs.0);
+                        mailbox.refusal = None;
+                        mailbox.finished.replace(finished)
+                    };
                     retired.truncate(2);
                     retired.extend(old);
                     on_finished();
@@ -96,6 +106,13 @@ impl BackgroundCaster {
     #[must_use]
     pub fn newest(&self) -> Option<Arc<Finished>> {
         lock(&self.shared.0).finished.clone()
+    }
+
+    /// Why the newest request begun could not be cast, if it could not: what was cast before it
+    /// stays the newest.
+    #[must_use]
+    pub fn refusal(&self) -> Option<CastError> {
+        lock(&self.shared.0).refusal.clone()
     }
 }
 

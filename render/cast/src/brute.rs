@@ -1,11 +1,13 @@
 //! Brute force: the judge of all other casters.
 
-use crate::image::{Image, fill_strips};
+use crate::canvas::Canvas;
 use crate::intersect::GridFrame;
 use crate::shade::shade;
-use crate::{Caster, PreparedScene, Scene};
+use crate::tally::Tally;
+use crate::units::UnitCaster;
+use crate::{CastError, Caster, PreparedScene, Scene};
 use sandtable_terrain::TileIndex;
-use sandtable_view::View;
+use sandtable_view::{Rays, View};
 use std::sync::Arc;
 
 /// Casts every pixel alone: each ray is walked cell by cell from where it enters the terrain's
@@ -14,16 +16,8 @@ use std::sync::Arc;
 pub struct Brute;
 
 impl Caster for Brute {
-    fn name(&self) -> &'static str {
-        "brute"
-    }
-
-    fn summary(&self) -> &'static str {
-        "each pixel alone, first intersection with the solid terrain in f64: exact and slow"
-    }
-
-    fn prepare(&self, scene: Arc<Scene>) -> Arc<dyn PreparedScene> {
-        Arc::new(BruteScene { scene })
+    fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
+        Ok(Arc::new(BruteScene { scene }))
     }
 }
 
@@ -32,28 +26,51 @@ struct BruteScene {
     scene: Arc<Scene>,
 }
 
-impl PreparedScene for BruteScene {
+/// One view: its rays, and the ground as they meet it.
+struct Frame<'a> {
+    grid: GridFrame<'a>,
+    rays: Rays,
+    size: [u32; 2],
+}
+
+impl UnitCaster for BruteScene {
+    type Frame<'a> = Frame<'a>;
+
     fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
-    fn updated(&self, scene: Arc<Scene>, _changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+    fn updated(
+        &self,
+        scene: Arc<Scene>,
+        _changed: &[TileIndex],
+    ) -> Result<Arc<dyn PreparedScene>, CastError> {
         Brute.prepare(scene)
     }
 
-    fn cast(&self, views: &[View], images: &mut [Image]) {
-        let frame = GridFrame::new(&self.scene.ground);
-        fill_strips(views, images, |strip| {
-            let rays = strip.view.rays();
-            for j in 0..strip.height() {
-                for i in 0..strip.width() {
-                    let ray = rays.ray(strip.first + i, j);
-                    let hit = frame
-                        .clip(&ray)
-                        .and_then(|clipped| clipped.first_hit(clipped.enter));
-                    shade(strip, [i, j], frame.ground(), &ray, hit);
-                }
-            }
-        });
+    fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
+        Ok(Frame {
+            grid: GridFrame::new(&self.scene.ground),
+            rays: view.rays(),
+            size: view.size,
+        })
+    }
+
+    /// A unit is one row of pixels.
+    fn units(frame: &Frame<'_>) -> usize {
+        frame.size[1] as usize
+    }
+
+    fn cast_unit<T: Tally>(frame: &Frame<'_>, row: usize, canvas: &Canvas<'_>, tally: &mut T) {
+        let j = row as u32;
+        for i in 0..frame.size[0] {
+            tally.ray();
+            let ray = frame.rays.ray(i, j);
+            let hit = frame
+                .grid
+                .clip(&ray)
+                .and_then(|clipped| clipped.first_hit(clipped.enter, tally));
+            shade(canvas, [i, j], frame.grid.ground(), &ray, hit);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The interface that every caster stands behind.
 
-use crate::{Brute, Coherent, Image};
+use crate::{CastError, Image, Scheme, Work};
 use sandtable_terrain::{Ground, TileIndex};
 use sandtable_view::View;
 use std::sync::Arc;
@@ -22,16 +22,13 @@ impl Scene {
     }
 }
 
-/// A way of casting: it prepares scenes, and the prepared scenes cast views.
+/// A way of casting with its options: it prepares scenes, and the prepared scenes cast views.
 pub trait Caster: Send + Sync {
-    /// The name by which users ask for it.
-    fn name(&self) -> &'static str;
-
-    /// One line for help texts: what it does and how exact it is.
-    fn summary(&self) -> &'static str;
-
     /// Makes from `scene` whatever this caster needs, tile by tile, on the current thread pool.
-    fn prepare(&self, scene: Arc<Scene>) -> Arc<dyn PreparedScene>;
+    ///
+    /// # Errors
+    /// Where this caster's options do not suit the scene.
+    fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError>;
 }
 
 /// A scene, with what its caster has made of it.
@@ -41,22 +38,30 @@ pub trait PreparedScene: Send + Sync {
 
     /// Prepares `scene`, which differs from this one in the tiles `changed` only, by renewing what
     /// depends on them and sharing the rest.
-    fn updated(&self, scene: Arc<Scene>, changed: &[TileIndex]) -> Arc<dyn PreparedScene>;
+    ///
+    /// # Errors
+    /// As [`Caster::prepare`].
+    fn updated(
+        &self,
+        scene: Arc<Scene>,
+        changed: &[TileIndex],
+    ) -> Result<Arc<dyn PreparedScene>, CastError>;
 
     /// Casts each view into the image beside it, as one job of the current thread pool.
     ///
     /// `images` are first set to their views' sizes; their memory is reused.
     ///
+    /// # Errors
+    /// [`CastError::View`] where this caster is not made for one of the views; no image is changed
+    /// then.
+    ///
     /// # Panics
     /// Where `views` and `images` differ in number.
-    fn cast(&self, views: &[View], images: &mut [Image]);
-}
+    fn cast(&self, views: &[View], images: &mut [Image], scheme: Scheme) -> Result<(), CastError>;
 
-/// All casters, the default one first.
-pub const CASTERS: [&dyn Caster; 2] = [&Coherent, &Brute];
-
-/// The caster of that name.
-#[must_use]
-pub fn caster_by_name(name: &str) -> Option<&'static dyn Caster> {
-    CASTERS.into_iter().find(|caster| caster.name() == name)
+    /// Counts the work that casting `view` takes.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::cast`].
+    fn work(&self, view: &View) -> Result<Work, CastError>;
 }

@@ -1,9 +1,11 @@
 //! Ray coherence along image columns (papers' row W5).
 
-use crate::image::{ColumnStrip, Image, STRIP_WIDTH, fill_strips};
+use crate::canvas::Canvas;
 use crate::intersect::{GridFrame, GridRay};
 use crate::shade::shade;
-use crate::{Caster, PreparedScene, Scene};
+use crate::tally::Tally;
+use crate::units::UnitCaster;
+use crate::{CastError, Caster, PreparedScene, Scene};
 use glam::DVec3;
 use sandtable_terrain::TileIndex;
 use sandtable_view::{Rays, View};
@@ -22,16 +24,8 @@ use std::sync::Arc;
 pub struct Coherent;
 
 impl Caster for Coherent {
-    fn name(&self) -> &'static str {
-        "coherent"
-    }
-
-    fn summary(&self) -> &'static str {
-        "each column from its bottom up, starting at the last hit, with retracing: for level views"
-    }
-
-    fn prepare(&self, scene: Arc<Scene>) -> Arc<dyn PreparedScene> {
-        Arc::new(CoherentScene { scene })
+    fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
+        Ok(Arc::new(CoherentScene { scene }))
     }
 }
 
@@ -40,77 +34,107 @@ struct CoherentScene {
     scene: Arc<Scene>,
 }
 
-impl PreparedScene for CoherentScene {
+/// How many columns one unit casts: narrow enough to balance, wide enough that few starts lie at
+/// its sides, where one of the three neighbours is missing.
+const STRIP_WIDTH: u32 = 64;
+
+/// One view: its rays, and the ground as they meet it.
+struct Frame<'a> {
+    grid: GridFrame<'a>,
+    rays: Rays,
+    size: [u32; 2],
+    marches: [Range<u32>; 2],
+}
+
+impl UnitCaster for CoherentScene {
+    type Frame<'a> = Frame<'a>;
+
     fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
-    fn updated(&self, scene: Arc<Scene>, _changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+    fn updated(
+        &self,
+        scene: Arc<Scene>,
+        _changed: &[TileIndex],
+    ) -> Result<Arc<dyn PreparedScene>, CastError> {
         Coherent.prepare(scene)
     }
 
-    fn cast(&self, views: &[View], images: &mut [Image]) {
-        let frame = GridFrame::new(&self.scene.ground);
-        fill_strips(views, images, |strip| cast_strip(&frame, strip));
+    fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
+        Ok(Frame {
+            grid: GridFrame::new(&self.scene.ground),
+            rays: view.rays(),
+            size: view.size,
+            marches: marches(view),
+        })
     }
-}
 
-/// Casts a strip row by row, away from the point straight below the eye.
-fn cast_strip(frame: &GridFrame<'_>, strip: &mut ColumnStrip<'_>) {
-    let rays = strip.view.rays();
-    for rows in marches(&strip.view) {
-        let upwards = rows.start < rows.end;
-        let steps = rows.start.abs_diff(rows.end);
-        // How far along the ground each ray of the row before came: to its hit, or to where it
-        // left the terrain. Beyond the strip's sides stands infinity, which leaves the choice to
-        // the others.
-        let mut reach = [0.0; STRIP_WIDTH as usize + 2];
-        let width = strip.width() as usize;
-        reach[0] = f64::INFINITY;
-        reach[width + 1] = f64::INFINITY;
-        for step in 0..steps {
-            let j = if upwards {
-                rows.start + step
-            } else {
-                rows.start - 1 - step
-            };
-            cast_row(frame, strip, &rays, j, &mut reach[..width + 2]);
+    /// A unit is a strip of columns.
+    fn units(frame: &Frame<'_>) -> usize {
+        frame.size[0].div_ceil(STRIP_WIDTH) as usize
+    }
+
+    /// Casts a strip row by row, away from the point straight below the eye.
+    fn cast_unit<T: Tally>(frame: &Frame<'_>, unit: usize, canvas: &Canvas<'_>, tally: &mut T) {
+        let first = unit as u32 * STRIP_WIDTH;
+        let columns = first..frame.size[0].min(first + STRIP_WIDTH);
+        for rows in frame.marches.clone() {
+            let upwards = rows.start < rows.end;
+            let steps = rows.start.abs_diff(rows.end);
+            // How far along the ground each ray of the row before came: to its hit, or to where it
+            // left the terrain. Beyond the strip's sides stands infinity, which leaves the choice
+            // to the others.
+            let mut reach = [0.0; STRIP_WIDTH as usize + 2];
+            let width = columns.len();
+            reach[0] = f64::INFINITY;
+            reach[width + 1] = f64::INFINITY;
+            for step in 0..steps {
+                let j = if upwards {
+                    rows.start + step
+                } else {
+                    rows.start - 1 - step
+                };
+                let reach = &mut reach[..width + 2];
+                cast_row(frame, canvas, columns.clone(), j, reach, tally);
+            }
         }
     }
 }
 
 /// Casts one row of a strip, each ray from the nearest reach of the three pixels before it.
-fn cast_row(
-    frame: &GridFrame<'_>,
-    strip: &mut ColumnStrip<'_>,
-    rays: &Rays,
+fn cast_row<T: Tally>(
+    frame: &Frame<'_>,
+    canvas: &Canvas<'_>,
+    columns: Range<u32>,
     j: u32,
     reach: &mut [f64],
+    tally: &mut T,
 ) {
     let mut left = reach[0];
-    for i in 0..strip.width() {
-        let at = i as usize + 1;
+    for (i, at) in columns.zip(1..) {
+        tally.ray();
         let nearest = left.min(reach[at]).min(reach[at + 1]);
         left = reach[at];
-        let ray = rays.ray(strip.first + i, j);
+        let ray = frame.rays.ray(i, j);
         let along_ground = ray.direction.truncate().length();
         let mut hit = None;
-        if let Some(grid_ray) = frame.clip(&ray) {
+        if let Some(grid_ray) = frame.grid.clip(&ray) {
             if along_ground > 0.0 {
-                hit = first_hit_from(&grid_ray, nearest / along_ground);
+                hit = first_hit_from(&grid_ray, nearest / along_ground, tally);
                 reach[at] = hit.unwrap_or(grid_ray.leave) * along_ground;
             } else {
-                hit = grid_ray.first_hit(grid_ray.enter);
+                hit = grid_ray.first_hit(grid_ray.enter, tally);
                 reach[at] = 0.0;
             }
         }
-        shade(strip, [i, j], frame.ground(), &ray, hit);
+        shade(canvas, [i, j], frame.grid.ground(), &ray, hit);
     }
 }
 
 /// The rows in the order in which coherence runs: from the nadir's row outwards, or towards the
 /// zenith's. A range that runs backwards stands for rows `end..start`, last first.
-fn marches(view: &View) -> [Range<u32>; 2] {
+pub(crate) fn marches(view: &View) -> [Range<u32>; 2] {
     let height = view.size[1];
     let row_of = |point| {
         let pixel = view.pixel_of(point)?;
@@ -130,12 +154,12 @@ fn marches(view: &View) -> [Range<u32>; 2] {
 /// The first hit at or after `start`, or, where that is inside the terrain, the hit found by
 /// retracing towards the eye.
 #[inline]
-fn first_hit_from(ray: &GridRay<'_>, start: f64) -> Option<f64> {
+fn first_hit_from<T: Tally>(ray: &GridRay<'_>, start: f64, tally: &mut T) -> Option<f64> {
     let mut from = start.max(ray.enter);
     if from > ray.leave {
         return None;
     }
-    let hit = ray.first_hit(from);
+    let hit = ray.first_hit(from, tally);
     if hit != Some(from) || from <= ray.enter {
         return hit;
     }
@@ -145,7 +169,7 @@ fn first_hit_from(ray: &GridRay<'_>, start: f64) -> Option<f64> {
     loop {
         from = (from - back).max(ray.enter);
         if from <= ray.enter || ray.clearance(from) > 0.0 {
-            return ray.first_hit(from);
+            return ray.first_hit(from, tally);
         }
         back *= 1.5;
     }

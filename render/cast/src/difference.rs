@@ -39,13 +39,13 @@ impl Difference {
             }
         }
         let mut squares = 0.0;
-        for (found, wanted) in image.colour.iter().zip(&exact.colour) {
+        for (found, wanted) in image.colour().iter().zip(exact.colour()) {
             for k in 0..3 {
                 squares += (f64::from(found[k]) - f64::from(wanted[k])).powi(2);
             }
         }
         if squares > 0.0 {
-            let mean = squares / (3.0 * image.colour.len() as f64);
+            let mean = squares / (3.0 * image.colour().len() as f64);
             result.psnr_db = Some(10.0 * (255.0 * 255.0 / mean).log10());
         }
         result

@@ -25,7 +25,7 @@ impl ShadeFloor {
         Self {
             hits,
             width: width.max(1) as usize,
-            colour: vec![[0; 4]; image.colour.len()],
+            colour: vec![[0; 4]; image.colour().len()],
         }
     }
 

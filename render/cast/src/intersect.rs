@@ -1,5 +1,6 @@
 //! The exact meeting of a ray with the solid terrain, cell by cell in f64.
 
+use crate::tally::Tally;
 use glam::DVec3;
 use sandtable_terrain::Ground;
 use sandtable_view::Ray;
@@ -112,9 +113,10 @@ impl GridRay<'_> {
 
     /// The first t in [`from`, `leave`] at which the ray is in the terrain, `from` itself where it
     /// starts inside.
-    pub(crate) fn first_hit(&self, from: f64) -> Option<f64> {
+    pub(crate) fn first_hit<T: Tally>(&self, from: f64, tally: &mut T) -> Option<f64> {
         let mut walk = CellWalk::new(self, from);
         loop {
+            tally.cell();
             if let Some(t) = self.hit_in_cell(&walk.segment) {
                 return Some(t);
             }

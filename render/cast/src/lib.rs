@@ -14,21 +14,33 @@
 
 mod background;
 mod brute;
+mod canvas;
 mod caster;
 mod coherent;
 mod difference;
+mod error;
 mod floor;
 mod image;
 mod intersect;
+mod options;
 mod pool;
+mod registry;
+mod scheme;
 mod shade;
 pub mod standpoints;
+mod tally;
+mod units;
 
 pub use background::{BackgroundCaster, Finished, Request};
 pub use brute::Brute;
-pub use caster::{CASTERS, Caster, PreparedScene, Scene, caster_by_name};
+pub use caster::{Caster, PreparedScene, Scene};
 pub use coherent::Coherent;
 pub use difference::Difference;
+pub use error::CastError;
 pub use floor::ShadeFloor;
-pub use image::{ColumnStrip, Image};
+pub use image::Image;
+pub use options::CasterOption;
 pub use pool::CastPool;
+pub use registry::{CASTERS, CasterKind, caster_by_name, caster_kind};
+pub use scheme::Scheme;
+pub use tally::Work;

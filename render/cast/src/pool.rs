@@ -1,7 +1,8 @@
 //! The threads that cast.
 
-use crate::{Image, PreparedScene};
+use crate::{CastError, Caster, Image, PreparedScene, Scene, Scheme};
 use sandtable_view::View;
+use std::sync::Arc;
 
 /// A pool of casting threads.
 ///
@@ -9,6 +10,7 @@ use sandtable_view::View;
 /// pieces of the next.
 pub struct CastPool {
     threads: rayon::ThreadPool,
+    scheme: Scheme,
 }
 
 impl CastPool {
@@ -21,7 +23,14 @@ impl CastPool {
             .num_threads(threads)
             .thread_name(|index| format!("cast-{index}"))
             .build()?;
-        Ok(Self { threads })
+        let scheme = Scheme::default();
+        Ok(Self { threads, scheme })
+    }
+
+    /// The pool, sharing out its work by `scheme`.
+    #[must_use]
+    pub fn with_scheme(self, scheme: Scheme) -> Self {
+        Self { scheme, ..self }
     }
 
     /// How many threads it has.
@@ -31,8 +40,34 @@ impl CastPool {
     }
 
     /// Casts `views` into `images` and waits for them.
-    pub fn cast(&self, scene: &dyn PreparedScene, views: &[View], images: &mut [Image]) {
-        self.threads.install(|| scene.cast(views, images));
+    ///
+    /// # Errors
+    /// As [`PreparedScene::cast`].
+    pub fn cast(
+        &self,
+        scene: &dyn PreparedScene,
+        views: &[View],
+        images: &mut [Image],
+    ) -> Result<(), CastError> {
+        self.threads
+            .install(|| scene.cast(views, images, self.scheme))
+    }
+
+    /// Prepares `scene` for one cast of `view`.
+    ///
+    /// # Errors
+    /// As [`Caster::prepare`] and [`PreparedScene::cast`].
+    pub fn picture(
+        &self,
+        caster: &dyn Caster,
+        scene: &Arc<Scene>,
+        view: View,
+    ) -> Result<Image, CastError> {
+        let mut images = [Image::default()];
+        let prepared = self.run(|| caster.prepare(Arc::clone(scene)))?;
+        self.cast(&*prepared, &[view], &mut images)?;
+        let [image] = images;
+        Ok(image)
     }
 
     /// Runs `work` on the pool's threads and waits for it.

@@ -1,6 +1,6 @@
 //! Colours of what rays end on.
 
-use crate::ColumnStrip;
+use crate::canvas::Canvas;
 use glam::DVec3;
 use sandtable_terrain::Ground;
 use sandtable_view::Ray;
@@ -8,8 +8,8 @@ use sandtable_view::Ray;
 /// Writes what `ray` sees into a pixel: the ground's colour and depth at `hit`, or the sky.
 #[inline]
 pub(crate) fn shade(
-    strip: &mut ColumnStrip<'_>,
-    [i, j]: [u32; 2],
+    canvas: &Canvas<'_>,
+    pixel: [u32; 2],
     ground: &Ground,
     ray: &Ray,
     hit: Option<f64>,
@@ -18,9 +18,9 @@ pub(crate) fn shade(
         Some(t) => {
             let p = ray.origin + t * ray.direction;
             let depth = t * ray.direction.length();
-            strip.set(i, j, ground.colour_at(p.x, p.y), depth as f32);
+            canvas.set(pixel, ground.colour_at(p.x, p.y), depth as f32);
         }
-        None => strip.set(i, j, sky(ray.direction), f32::INFINITY),
+        None => canvas.set(pixel, sky(ray.direction), f32::INFINITY),
     }
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn shade(
 /// a ray has passed the terrain's edge, haze goes over into a dark that lets the relief stand out
 /// on a table.
 #[inline]
-fn sky(direction: DVec3) -> [u8; 3] {
+pub(crate) fn sky(direction: DVec3) -> [u8; 3] {
     const HORIZON: [f32; 3] = [200.0, 216.0, 232.0];
     const ZENITH: [f32; 3] = [84.0, 138.0, 206.0];
     const DEPTHS: [f32; 3] = [24.0, 28.0, 34.0];

@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use sandtable_cast::{
-    BackgroundCaster, Brute, CastPool, Caster, Finished, Image, PreparedScene, Request, Scene,
+    BackgroundCaster, Brute, CastError, CastPool, Caster, Finished, Image, PreparedScene, Request,
+    Scene, Scheme, Work,
 };
 use sandtable_terrain::{Ground, TileIndex};
 use sandtable_view::{Attitude, Camera, View};
@@ -41,18 +42,26 @@ impl PreparedScene for Gated {
         self.inner.scene()
     }
 
-    fn updated(&self, scene: Arc<Scene>, changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+    fn updated(
+        &self,
+        scene: Arc<Scene>,
+        changed: &[TileIndex],
+    ) -> Result<Arc<dyn PreparedScene>, CastError> {
         self.inner.updated(scene, changed)
     }
 
-    fn cast(&self, views: &[View], images: &mut [Image]) {
+    fn cast(&self, views: &[View], images: &mut [Image], scheme: Scheme) -> Result<(), CastError> {
         self.begun.send(()).expect("the test listens");
         self.go
             .lock()
             .expect("no panic under it")
             .recv()
             .expect("the test speaks");
-        self.inner.cast(views, images);
+        self.inner.cast(views, images, scheme)
+    }
+
+    fn work(&self, view: &View) -> Result<Work, CastError> {
+        self.inner.work(view)
     }
 }
 
@@ -75,7 +84,7 @@ fn requests_never_wait_and_only_the_newest_is_cast() {
     let (begun, begins) = channel();
     let (go, gate) = channel();
     let scene = Arc::new(Gated {
-        inner: Brute.prepare(scene()),
+        inner: Brute.prepare(scene()).expect("no options"),
         begun,
         go: Mutex::new(gate),
     });
@@ -102,7 +111,8 @@ fn requests_never_wait_and_only_the_newest_is_cast() {
     go.send(()).expect("it waits");
     let last = wait_for(&caster, 50);
     let mut direct = [Image::default()];
-    pool.cast(&*scene.inner, &[view(5.0)], &mut direct);
+    pool.cast(&*scene.inner, &[view(5.0)], &mut direct)
+        .expect("any view will do");
     assert!(last.images == direct);
     // Nothing in between was cast.
     assert!(begins.try_recv().is_err());
@@ -116,16 +126,23 @@ fn a_caster_that_panics_is_noticed_and_the_last_picture_stays() {
         fn scene(&self) -> &Arc<Scene> {
             self.0.scene()
         }
-        fn updated(&self, scene: Arc<Scene>, changed: &[TileIndex]) -> Arc<dyn PreparedScene> {
+        fn updated(
+            &self,
+            scene: Arc<Scene>,
+            changed: &[TileIndex],
+        ) -> Result<Arc<dyn PreparedScene>, CastError> {
             self.0.updated(scene, changed)
         }
-        fn cast(&self, _: &[View], _: &mut [Image]) {
+        fn cast(&self, _: &[View], _: &mut [Image], _: Scheme) -> Result<(), CastError> {
             panic!("on purpose");
+        }
+        fn work(&self, view: &View) -> Result<Work, CastError> {
+            self.0.work(view)
         }
     }
     let pool = Arc::new(CastPool::new(1).expect("a thread"));
     let caster = BackgroundCaster::start(pool, || {}).expect("a thread");
-    let sound = Brute.prepare(scene());
+    let sound = Brute.prepare(scene()).expect("no options");
     let views = vec![view(0.0)];
     caster.request(Request {
         scene: sound.clone(),
@@ -144,4 +161,68 @@ fn a_caster_that_panics_is_noticed_and_the_last_picture_stays() {
         std::thread::sleep(Duration::from_millis(1));
     }
     assert_eq!(caster.newest().map(|finished| finished.frame), Some(1));
+}
+
+#[test]
+fn a_refused_view_is_told_of_and_the_last_picture_stays() {
+    /// Casts nothing that is wider than high.
+    struct Choosy(Arc<dyn PreparedScene>);
+    impl PreparedScene for Choosy {
+        fn scene(&self) -> &Arc<Scene> {
+            self.0.scene()
+        }
+        fn updated(
+            &self,
+            scene: Arc<Scene>,
+            changed: &[TileIndex],
+        ) -> Result<Arc<dyn PreparedScene>, CastError> {
+            self.0.updated(scene, changed)
+        }
+        fn cast(
+            &self,
+            views: &[View],
+            images: &mut [Image],
+            scheme: Scheme,
+        ) -> Result<(), CastError> {
+            if views.iter().any(|view| view.size[0] > view.size[1]) {
+                return Err(CastError::View {
+                    caster: "choosy",
+                    reason: "it is too wide".into(),
+                });
+            }
+            self.0.cast(views, images, scheme)
+        }
+        fn work(&self, view: &View) -> Result<Work, CastError> {
+            self.0.work(view)
+        }
+    }
+    let pool = Arc::new(CastPool::new(1).expect("a thread"));
+    let (told, hear) = channel();
+    let caster = BackgroundCaster::start(pool, move || {
+        told.send(()).expect("the test listens");
+    })
+    .expect("a thread");
+    let scene: Arc<dyn PreparedScene> =
+        Arc::new(Choosy(Brute.prepare(scene()).expect("no options")));
+    let request = |size, frame| {
+        let views = vec![View { size, ..view(0.0) }];
+        let scene = Arc::clone(&scene);
+        caster.request(Request {
+            scene,
+            views,
+            frame,
+        });
+        hear.recv_timeout(Duration::from_secs(20))
+            .expect("an answer");
+        caster.newest().map(|finished| finished.frame)
+    };
+    assert_eq!(request([30, 40], 1), Some(1));
+    assert_eq!(request([40, 30], 2), Some(1));
+    let refusal = caster.refusal().expect("a reason");
+    assert_eq!(
+        refusal.to_string(),
+        "choosy cannot cast this view: it is too wide"
+    );
+    assert_eq!(request([30, 30], 3), Some(3));
+    assert_eq!(caster.refusal(), None);
 }

@@ -73,7 +73,12 @@ fn no_step_before_the_hit_is_inside_and_the_hit_is_on_the_ground() {
             size: [12, 10],
         };
         let mut images = [Image::default()];
-        pool.cast(&*Brute.prepare(Arc::clone(&scene)), &[view], &mut images);
+        pool.cast(
+            &*Brute.prepare(Arc::clone(&scene)).expect("no options"),
+            &[view],
+            &mut images,
+        )
+        .expect("any view will do");
         let ground = &scene.ground;
         for j in 0..10 {
             for i in 0..12 {

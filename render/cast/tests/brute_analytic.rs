@@ -1,21 +1,15 @@
 //! Brute force against answers known on paper.
 
 use glam::{DVec2, DVec3};
-use sandtable_cast::{Brute, CastPool, Caster, Image, Scene};
+use sandtable_cast::{Brute, CastPool, Image, Scene};
 use sandtable_terrain::Ground;
 use sandtable_view::{Attitude, Camera, Screen, View};
 use std::sync::Arc;
 
 /// Casts `view` over `scene` by brute force.
 fn cast(scene: &Arc<Scene>, view: View) -> Image {
-    let mut images = [Image::default()];
-    CastPool::new(2).expect("two threads").cast(
-        &*Brute.prepare(Arc::clone(scene)),
-        &[view],
-        &mut images,
-    );
-    let [image] = images;
-    image
+    let pool = CastPool::new(2).expect("two threads");
+    pool.picture(&Brute, scene, view).expect("any view will do")
 }
 
 /// The depth along one ray, +∞ for sky.
@@ -222,7 +216,7 @@ fn a_ray_that_enters_under_the_border_hits_the_wall() {
         &scene,
         single_ray(DVec3::new(-40.0, 50.0, -100.0), direction),
     );
-    let [r, g, b, _] = image.colour[0];
+    let [r, g, b, _] = image.colour()[0];
     assert_eq!([r, g, b], scene.ground.colour_at(0.0, 50.0));
 }
 
@@ -240,80 +234,4 @@ fn an_eye_outside_sees_the_terrain_over_its_border() {
         depth(&scene, DVec3::new(-100.0, 50.0, 45.0), -DVec3::X),
         f64::INFINITY
     );
-}
-
-#[test]
-fn the_image_is_the_same_for_any_number_of_threads() {
-    let scene = ground(129, 129, DVec2::splat(10.0), |x, y| {
-        80.0 * (x / 90.0).sin() * (y / 70.0).cos()
-    });
-    let camera = Camera {
-        eye: DVec3::new(600.0, -100.0, 400.0),
-        attitude: Attitude {
-            yaw: 0.1,
-            pitch: -0.4,
-            roll: 0.2,
-        },
-        horizontal_fov: 1.1,
-    };
-    let views = [camera.view([200, 130]), camera.view([77, 50])];
-    for caster in sandtable_cast::CASTERS {
-        let prepared = caster.prepare(Arc::clone(&scene));
-        let cast_with = |threads| {
-            let mut images = vec![Image::default(); 2];
-            CastPool::new(threads)
-                .unwrap()
-                .cast(&*prepared, &views, &mut images);
-            images
-        };
-        let one = cast_with(1);
-        assert!(one[0].depth.iter().any(|d| d.is_finite()));
-        assert!(
-            one == cast_with(2) && one == cast_with(7),
-            "{}",
-            caster.name()
-        );
-    }
-}
-
-#[test]
-fn an_empty_image_is_cast_without_ado() {
-    let scene = ground(3, 3, DVec2::ONE, |_, _| 0.0);
-    let mut view = single_ray(DVec3::new(1.0, 1.0, 5.0), -DVec3::Z);
-    for size in [[0, 0], [0, 4], [4, 0]] {
-        view.size = size;
-        assert!(cast(&scene, view).colour.is_empty());
-    }
-}
-
-#[test]
-fn a_scene_updated_after_an_edit_equals_one_prepared_anew() {
-    let scene = ground(300, 300, DVec2::splat(10.0), |x, y| 0.05 * x + 0.02 * y);
-    let (edited, changed) = scene
-        .ground
-        .edited(100..140, 250..270, |_, _, h| h + 200.0)
-        .unwrap();
-    let edited = Scene::new(edited);
-    let camera = Camera {
-        eye: DVec3::new(1200.0, 100.0, 900.0),
-        attitude: Attitude {
-            pitch: -0.3,
-            ..Default::default()
-        },
-        horizontal_fov: 1.0,
-    };
-    let view = camera.view([120, 80]);
-    for caster in sandtable_cast::CASTERS {
-        let before = caster.prepare(Arc::clone(&scene));
-        let pool = CastPool::new(2).unwrap();
-        let [mut old, mut updated, mut fresh] = [(); 3].map(|()| [Image::default()]);
-        pool.cast(&*before, &[view], &mut old);
-        pool.cast(
-            &*before.updated(Arc::clone(&edited), &changed),
-            &[view],
-            &mut updated,
-        );
-        pool.cast(&*caster.prepare(Arc::clone(&edited)), &[view], &mut fresh);
-        assert!(old != updated && updated == fresh, "{}", caster.name());
-    }
 }

@@ -75,7 +75,7 @@ fn sample(image: &Image, place: Place) -> [u8; 4] {
     }
     let (i0, i1, u) = neighbours(place.x, width);
     let (j0, j1, v) = neighbours(place.y, height);
-    let at = |i: usize, j: usize| image.colour[j * width as usize + i];
+    let at = |i: usize, j: usize| image.colour()[j * width as usize + i];
     let (a, b, c, d) = (at(i0, j0), at(i1, j0), at(i0, j1), at(i1, j1));
     std::array::from_fn(|channel| {
         let [a, b, c, d] = [a, b, c, d].map(|colour| f32::from(colour[channel]));
@@ -113,7 +113,7 @@ mod tests {
             window: Screen::horizontal(1.0, 1.0),
             size,
         });
-        for (index, pixel) in image.colour.iter_mut().enumerate() {
+        for (index, pixel) in image.colour_mut().iter_mut().enumerate() {
             let index = index as u32;
             let [r, g, b] = colour(index % size[0], index / size[0]);
             *pixel = [r, g, b, 255];
@@ -142,7 +142,7 @@ mod tests {
                     (0..size[1]).all(|j| {
                         (0..size[0]).all(|i| {
                             composed.get_pixel(origin[0] + i, origin[1] + j).0
-                                == eye.colour[(j * size[0] + i) as usize]
+                                == eye.colour()[(j * size[0] + i) as usize]
                         })
                     })
                 };

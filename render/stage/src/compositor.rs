@@ -127,7 +127,7 @@ impl Compositor {
     pub(crate) fn upload(&mut self, gpu: &Gpu, images: &[Image]) -> Result<(), GpuError> {
         let images: Vec<&Image> = images
             .iter()
-            .filter(|image| !image.colour.is_empty())
+            .filter(|image| !image.colour().is_empty())
             .take(2)
             .collect();
         let longest = gpu.longest_side();
@@ -159,7 +159,7 @@ impl Compositor {
         for (texture, image) in self.eyes.iter().zip(images) {
             gpu.queue.write_texture(
                 texture.as_image_copy(),
-                bytemuck::cast_slice(&image.colour),
+                bytemuck::cast_slice(image.colour()),
                 wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(4 * image.width()),

@@ -27,7 +27,7 @@ fn noise(size: [u32; 2], seed: u32) -> Image {
         size,
     });
     let mut state = seed;
-    for pixel in &mut image.colour {
+    for pixel in image.colour_mut() {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let [a, b, c, _] = state.to_be_bytes();
         *pixel = [a, b, c, 255];
@@ -168,12 +168,12 @@ fn the_panel_lies_over_the_frame_and_is_captured() {
         .capture(&gpu, [64, 64], Composing::default())
         .unwrap();
     assert_eq!(frame.get_pixel(20, 60).0, [0, 255, 0, 255]);
-    assert_eq!(frame.get_pixel(20, 10).0, image.colour[10 * 64 + 20]);
+    assert_eq!(frame.get_pixel(20, 10).0, image.colour()[10 * 64 + 20]);
     painter.set_panel(&gpu, Panel::default());
     let frame = painter
         .capture(&gpu, [64, 64], Composing::default())
         .unwrap();
-    assert_eq!(frame.get_pixel(20, 60).0, image.colour[60 * 64 + 20]);
+    assert_eq!(frame.get_pixel(20, 60).0, image.colour()[60 * 64 + 20]);
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn an_image_too_large_for_the_gpu_is_refused_by_its_size() {
     let error = painter.set_images(&gpu, &[wide]).unwrap_err().to_string();
     assert!(error.contains(&gpu.longest_side().to_string()), "{error}");
     let frame = painter.capture(&gpu, [4, 4], Composing::default()).unwrap();
-    assert_eq!(frame.get_pixel(3, 3).0, small.colour[15]);
+    assert_eq!(frame.get_pixel(3, 3).0, small.colour()[15]);
 }
 
 #[test]

@@ -1,0 +1,49 @@
+//! An image that several threads fill at once.
+
+use crate::Image;
+use std::sync::atomic::{AtomicU32, Ordering};
+use zerocopy::FromBytes;
+
+/// The pixels of an image being cast.
+///
+/// Units of work own pixels that lie anywhere in the image (a column, a slanted line), which plain
+/// slices cannot express. Relaxed atomic stores compile to plain ones, and as each pixel belongs to
+/// one unit, the image does not depend on who came first.
+pub(crate) struct Canvas<'a> {
+    colour: &'a [AtomicU32],
+    depth: &'a [AtomicU32],
+    width: usize,
+}
+
+impl<'a> Canvas<'a> {
+    /// The canvas of an image that has its size already.
+    pub(crate) fn new(image: &'a mut Image) -> Self {
+        let width = image.view.size[0] as usize;
+        let (colour, depth) = image.words_mut();
+        Self {
+            colour: atomic(colour),
+            depth: atomic(bytemuck::cast_slice_mut(depth)),
+            width,
+        }
+    }
+
+    /// Sets pixel (i, j), j down from the top.
+    #[inline]
+    pub(crate) fn set(&self, [i, j]: [u32; 2], [r, g, b]: [u8; 3], depth: f32) {
+        let at = j as usize * self.width + i as usize;
+        self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
+        self.depth[at].store(depth.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Sets pixel (i, j)'s colour and leaves its depth as it is.
+    #[inline]
+    pub(crate) fn set_colour(&self, [i, j]: [u32; 2], [r, g, b]: [u8; 3]) {
+        let at = j as usize * self.width + i as usize;
+        self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
+    }
+}
+
+fn atomic(words: &mut [u32]) -> &[AtomicU32] {
+    <[AtomicU32]>::mut_from_bytes(bytemuck::cast_slice_mut(words))
+        .expect("an atomic word has the size and alignment of a word")
+}

@@ -1,0 +1,73 @@
+//! All casters by their names.
+
+use crate::options::Options;
+use crate::{Brute, CastError, Caster, CasterOption, Coherent};
+use std::sync::Arc;
+
+/// A caster as people choose it.
+pub struct CasterKind {
+    /// The name by which users ask for it.
+    pub name: &'static str,
+    /// One line for help texts: what it does and how exact it is.
+    pub summary: &'static str,
+    /// What can be set.
+    pub options: &'static [CasterOption],
+    build: fn(&Options<'_>) -> Result<Arc<dyn Caster>, CastError>,
+}
+
+impl CasterKind {
+    /// The caster with its default options.
+    #[must_use]
+    pub fn by_default(&self) -> Arc<dyn Caster> {
+        self.with_options("").expect("defaults are sound")
+    }
+
+    /// The caster with `options`, written `key=value&key=value`.
+    ///
+    /// # Errors
+    /// Where there is no such option or value.
+    pub fn with_options(&self, options: &str) -> Result<Arc<dyn Caster>, CastError> {
+        (self.build)(&Options::parse(self.name, self.options, options)?)
+    }
+}
+
+/// All casters, the default one first.
+pub static CASTERS: [CasterKind; 2] = [
+    CasterKind {
+        name: "coherent",
+        summary: "each column from its bottom up, starting at the last hit, with retracing: for \
+                  level views",
+        options: &[],
+        build: |_| Ok(Arc::new(Coherent)),
+    },
+    CasterKind {
+        name: "brute",
+        summary: "each pixel alone, first intersection with the solid terrain in f64: exact and \
+                  slow",
+        options: &[],
+        build: |_| Ok(Arc::new(Brute)),
+    },
+];
+
+/// The caster of that name.
+#[must_use]
+pub fn caster_kind(name: &str) -> Option<&'static CasterKind> {
+    CASTERS.iter().find(|kind| kind.name == name)
+}
+
+/// The caster that `text` asks for: a name, or `name?key=value&key=value`.
+///
+/// # Errors
+/// Where there is no such caster, option or value.
+pub fn caster_by_name(text: &str) -> Result<Arc<dyn Caster>, CastError> {
+    let (name, options) = text.split_once('?').unwrap_or((text, ""));
+    let kind = caster_kind(name).ok_or_else(|| CastError::UnknownCaster {
+        name: name.to_owned(),
+        known: CASTERS
+            .iter()
+            .map(|kind| kind.name)
+            .collect::<Vec<_>>()
+            .join(", "),
+    })?;
+    kind.with_options(options)
+}

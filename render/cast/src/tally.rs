@@ -1,0 +1,78 @@
+//! What casting costs in work rather than in time.
+
+use std::iter::Sum;
+use std::ops::{Add, AddAssign};
+
+/// Work counted while casting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Rays cast: pixels, times the rays of each.
+    pub rays: u64,
+    /// Points along rays at which the terrain was looked up. Casters that walk from cell to cell
+    /// have none.
+    pub samples: u64,
+    /// Cells of which the corners were read: walked through, or interpolated in.
+    pub cells: u64,
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            samples: self.samples + other.samples,
+            cells: self.cells + other.cells,
+        }
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Sum for Work {
+    fn sum<I: Iterator<Item = Self>>(works: I) -> Self {
+        works.fold(Self::default(), Add::add)
+    }
+}
+
+/// What hot loops tell their work to: [`Work`] counts, [`Uncounted`] compiles to nothing.
+pub(crate) trait Tally {
+    /// A ray begins.
+    fn ray(&mut self);
+    /// The terrain is looked up at a point of it.
+    fn sample(&mut self);
+    /// A cell's corners are read.
+    fn cell(&mut self);
+}
+
+impl Tally for Work {
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+
+    fn sample(&mut self) {
+        self.samples += 1;
+    }
+
+    fn cell(&mut self) {
+        self.cells += 1;
+    }
+}
+
+/// Counts nothing, at no cost.
+pub(crate) struct Uncounted;
+
+impl Tally for Uncounted {
+    #[inline(always)]
+    fn ray(&mut self) {}
+
+    #[inline(always)]
+    fn sample(&mut self) {}
+
+    #[inline(always)]
+    fn cell(&mut self) {}
+}

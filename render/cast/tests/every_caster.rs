@@ -1,0 +1,196 @@
+//! What every caster promises, whatever its algorithm.
+
+use glam::{DVec2, DVec3};
+use sandtable_cast::{
+    CASTERS, CastPool, CasterKind, Image, PreparedScene, Scene, Scheme, standpoints,
+};
+use sandtable_terrain::Ground;
+use sandtable_view::{Attitude, Camera, View};
+use std::sync::Arc;
+
+fn scene(cols: u32, rows: u32, height: impl Fn(f64, f64) -> f64 + Sync) -> Arc<Scene> {
+    let spacing = DVec2::new(10.0, 8.0);
+    let height =
+        |col: u32, row: u32| height(f64::from(col) * spacing.x, f64::from(row) * spacing.y) as f32;
+    Scene::new(Ground::from_fn(cols, rows, spacing, height).expect("a sound grid"))
+}
+
+fn hills(x: f64, y: f64) -> f64 {
+    40.0 * (x / 130.0).sin() * (y / 170.0).cos() + 15.0 * (x / 41.0 + y / 57.0).sin()
+}
+
+fn camera(eye: DVec3, yaw: f64, pitch: f64, roll: f64) -> Camera {
+    let attitude = Attitude { yaw, pitch, roll };
+    Camera {
+        eye,
+        attitude,
+        horizontal_fov: 1.0,
+    }
+}
+
+/// Views of every kind: each caster is made for one of them at least.
+fn views(scene: &Scene) -> Vec<View> {
+    let extent = scene.ground.grid().extent();
+    let eye = DVec3::new(0.4 * extent.x, 0.1 * extent.y, 120.0);
+    let size = [77, 50];
+    vec![
+        camera(eye, 0.3, 0.0, 0.0).view(size),
+        camera(eye, 1.3, -0.5, 0.0).view([60, 81]),
+        camera(eye, -0.8, -0.4, 0.6).view(size),
+        camera(eye.with_z(300.0), 0.2, -1.55, 0.0).view(size),
+        standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), size),
+    ]
+}
+
+fn prepared(kind: &CasterKind, scene: &Arc<Scene>) -> Arc<dyn PreparedScene> {
+    let caster = kind.by_default();
+    caster.prepare(Arc::clone(scene)).expect("defaults suit")
+}
+
+/// Those of `views` that the caster is made for.
+fn accepted(kind: &CasterKind, prepared: &dyn PreparedScene, views: &[View]) -> Vec<View> {
+    let is_accepted = |view: &&View| prepared.work(view).is_ok();
+    let views: Vec<_> = views.iter().filter(is_accepted).copied().collect();
+    assert!(!views.is_empty(), "{} casts nothing at all", kind.name);
+    views
+}
+
+fn cast(
+    prepared: &dyn PreparedScene,
+    views: &[View],
+    threads: usize,
+    scheme: Scheme,
+) -> Vec<Image> {
+    let mut images = vec![Image::default(); views.len()];
+    let pool = CastPool::new(threads).expect("threads").with_scheme(scheme);
+    pool.cast(prepared, views, &mut images).expect("accepted");
+    images
+}
+
+#[test]
+fn threads_and_schemes_do_not_change_a_byte() {
+    let scene = scene(140, 120, hills);
+    for kind in &CASTERS {
+        let prepared = prepared(kind, &scene);
+        let views = accepted(kind, &*prepared, &views(&scene));
+        let one = cast(&*prepared, &views, 1, Scheme::default());
+        let hits = |image: &Image| image.depth.iter().any(|depth| depth.is_finite());
+        assert!(one.iter().any(hits), "{} sees nothing", kind.name);
+        for threads in [1, 2, 7] {
+            for scheme in Scheme::ALL {
+                let other = cast(&*prepared, &views, threads, scheme);
+                assert!(one == other, "{}: {scheme} on {threads}", kind.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn pixels_are_cast_whatever_the_images_held_before() {
+    let scene = scene(60, 60, hills);
+    for kind in &CASTERS {
+        let prepared = prepared(kind, &scene);
+        for view in accepted(kind, &*prepared, &views(&scene)) {
+            let clean = cast(&*prepared, &[view], 2, Scheme::default());
+            let mut dirty = clean.clone();
+            dirty[0].colour_mut().fill([1, 2, 3, 4]);
+            dirty[0].depth.fill(-5.0);
+            let pool = CastPool::new(2).expect("threads");
+            pool.cast(&*prepared, &[view], &mut dirty)
+                .expect("accepted");
+            assert!(clean == dirty, "{} leaves pixels out", kind.name);
+        }
+    }
+}
+
+#[test]
+fn work_is_counted() {
+    let scene = scene(60, 60, hills);
+    for kind in &CASTERS {
+        let prepared = prepared(kind, &scene);
+        for view in accepted(kind, &*prepared, &views(&scene)) {
+            let work = prepared.work(&view).expect("accepted");
+            let pixels = u64::from(view.size[0]) * u64::from(view.size[1]);
+            assert!(work.rays >= pixels, "{}: {work:?}", kind.name);
+            assert!(work.samples + work.cells > 0, "{}: {work:?}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn an_empty_image_is_cast_without_ado() {
+    let scene = scene(5, 4, |_, _| 0.0);
+    for kind in &CASTERS {
+        let prepared = prepared(kind, &scene);
+        for size in [[0, 0], [0, 4], [4, 0]] {
+            let mut view = views(&scene)[0];
+            view.size = size;
+            let images = cast(&*prepared, &[view], 2, Scheme::default());
+            assert!(images[0].colour().is_empty() && images[0].depth.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_scene_updated_after_an_edit_equals_one_prepared_anew() {
+    let before = scene(300, 290, hills);
+    let edit = before
+        .ground
+        .edited(230..262, 100..140, |_, _, height| height + 30.0);
+    let (ground, changed) = edit.expect("finite");
+    let after = Scene::new(ground);
+    for kind in &CASTERS {
+        let old = prepared(kind, &before);
+        let updated = old.updated(Arc::clone(&after), &changed).expect("suits");
+        let fresh = prepared(kind, &after);
+        let eye = DVec3::new(2300.0, 300.0, 130.0);
+        let look = [
+            camera(eye, 0.0, 0.0, 0.0).view([90, 60]),
+            camera(eye, 0.0, -0.3, 0.0).view([90, 60]),
+        ];
+        let views = accepted(kind, &*old, &look);
+        let [old, updated, fresh] =
+            [old, updated, fresh].map(|scene| cast(&*scene, &views, 2, Scheme::default()));
+        assert!(old != updated, "{} does not see the edit", kind.name);
+        assert!(updated == fresh, "{} sees half of the edit", kind.name);
+    }
+}
+
+#[test]
+fn degenerate_ground_is_cast() {
+    let grounds = [
+        ("two by two posts", scene(2, 2, |x, y| 0.3 * x - 0.2 * y)),
+        ("a plane", scene(40, 30, |_, _| 25.0)),
+        (
+            "a spike",
+            scene(
+                40,
+                30,
+                |x, y| if x == 200.0 && y == 120.0 { 1e6 } else { 0.0 },
+            ),
+        ),
+    ];
+    for (name, scene) in &grounds {
+        for kind in &CASTERS {
+            let prepared = prepared(kind, scene);
+            let mut views = views(scene);
+            // An eye on the surface, and one inside the terrain.
+            let height = scene.ground.height_at(9.0, 7.0).expect("on the terrain");
+            for depth in [0.0, 5.0] {
+                let eye = DVec3::new(9.0, 7.0, height - depth);
+                views.push(camera(eye, 0.3, 0.0, 0.0).view([20, 16]));
+                views.push(camera(eye, 0.3, -0.5, 0.0).view([20, 16]));
+            }
+            for view in accepted(kind, &*prepared, &views) {
+                let images = cast(&*prepared, &[view], 2, Scheme::default());
+                let sound = |depth: &f32| *depth >= 0.0;
+                assert!(
+                    images[0].depth.iter().all(sound),
+                    "{}: {name} from {}",
+                    kind.name,
+                    view.eye
+                );
+            }
+        }
+    }
+}
