@@ -26,6 +26,7 @@
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 
 mod builtin;
+mod cells;
 mod colour;
 mod crs;
 mod error;
@@ -40,6 +41,7 @@ mod raster;
 mod source;
 mod tiled;
 
+pub use cells::TiledCells;
 pub use colour::{Rgb, hypsometric};
 pub use crs::{Crs, CrsRelation, Datum, PlaceError, Projection, WktError};
 pub use error::TerrainError;
