@@ -39,8 +39,10 @@ mod open;
 mod photo;
 mod photo_file;
 mod raster;
+mod reach;
 mod source;
 mod tiled;
+mod voxel;
 
 pub use cells::TiledCells;
 pub use colour::{Rgb, hypsometric};
@@ -55,3 +57,7 @@ pub use photo::Photo;
 pub use raster::{ColourRole, PixelIs, SampleType};
 pub use source::{MAX_RIDGES_SIZE, SourceError, TerrainSource};
 pub use tiled::{TILE_CELLS, TileIndex, TiledRaster};
+pub use voxel::{
+    BoundaryArray, CellFlag, DensityFilter, HIGHEST_LEVEL, LOWEST_LEVEL, MAX_LEVELS, MAX_SIGMA,
+    MAX_WIDTH, MIN_LEVELS, VoxelError, VoxelShape, VoxelVolume, pre_texture, pre_texture_updated,
+};
