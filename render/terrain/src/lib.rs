@@ -23,6 +23,9 @@
 //! describes a file without keeping it. Limits: north-up rasters of up to 2²⁹ cells, strips and
 //! tiles of up to 64 MiB; PNG and JPEG of up to 256 MiB decoded; horizontal datums only.
 //!
+//! For casters that do not read heights, the ground becomes a [`VoxelVolume`] of densities with
+//! its [`BoundaryArray`], or a [`Pyramid`] of resolutions; both follow edits tile by tile.
+//!
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 
 mod builtin;
@@ -38,6 +41,7 @@ mod linear_light;
 mod open;
 mod photo;
 mod photo_file;
+mod pyramid;
 mod raster;
 mod reach;
 mod source;
@@ -54,6 +58,7 @@ pub use info::{BandInfo, Extent, FileInfo, Sample, SampleValue, info};
 pub use linear_light::LinearLight;
 pub use open::{Terrain, open, open_with_progress};
 pub use photo::Photo;
+pub use pyramid::{Pyramid, PyramidLevel};
 pub use raster::{ColourRole, PixelIs, SampleType};
 pub use source::{MAX_RIDGES_SIZE, SourceError, TerrainSource};
 pub use tiled::{TILE_CELLS, TileIndex, TiledRaster};

@@ -20,6 +20,19 @@ pub(crate) fn with_neighbours(changed: &[TileIndex], cols: u32, rows: u32) -> Ve
     })
 }
 
+/// The tiles of a raster of `cols` by `rows` posts that depend on changed tiles of the raster of
+/// twice its density, where post i depends on posts 2i − 1 to 2i + 1.
+pub(crate) fn coarser(changed: &[TileIndex], cols: u32, rows: u32) -> Vec<TileIndex> {
+    // Tile k has posts 256 k to 256 k + 256, so it depends on posts 512 k − 1 to 512 k + 513,
+    // which are in tiles 2 k − 1 to 2 k + 2.
+    let depends = |coarse: u32, fine: u32| (2 * coarse..=2 * coarse + 3).contains(&(fine + 1));
+    tiles_where(cols, rows, |tile| {
+        changed
+            .iter()
+            .any(|at| depends(tile.col, at.col) && depends(tile.row, at.row))
+    })
+}
+
 /// All tiles of a raster of `cols` by `rows` posts.
 pub(crate) fn all(cols: u32, rows: u32) -> Vec<TileIndex> {
     tiles_where(cols, rows, |_| true)
@@ -48,5 +61,19 @@ mod tests {
             [at(0, 0), at(1, 0), at(2, 0), at(0, 1), at(1, 1), at(2, 1)]
         );
         assert!(with_neighbours(&[], 1025, 600).is_empty());
+    }
+
+    #[test]
+    fn a_coarser_tile_depends_on_those_within_its_filter() {
+        // Eight tiles across become four; the filter looks one post over the border.
+        let reached = |col| -> Vec<u32> {
+            let tiles = coarser(&[at(col, 0)], 1025, 2);
+            tiles.iter().map(|tile| tile.col).collect()
+        };
+        assert_eq!(reached(0), [0]);
+        assert_eq!(reached(1), [0, 1]);
+        assert_eq!(reached(2), [0, 1]);
+        assert_eq!(reached(3), [1, 2]);
+        assert_eq!(reached(7), [3]);
     }
 }

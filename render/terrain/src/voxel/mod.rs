@@ -25,7 +25,7 @@ mod gaussian;
 mod oriented_box;
 mod packed;
 mod shape;
-mod texture;
+pub(crate) mod texture;
 mod volume;
 
 pub use boundary::{BoundaryArray, CellFlag};
