@@ -264,6 +264,12 @@ impl Ground {
         if let Some(colour) = self.photo.as_ref().and_then(|photo| photo.colour_at(x, y)) {
             return colour;
         }
+        self.tint_at(x, y)
+    }
+
+    /// The hypsometric tint in shaded relief at world `(x, y)`, photograph or not.
+    #[inline]
+    pub(crate) fn tint_at(&self, x: f64, y: f64) -> Rgb {
         let (cell, [u, v]) = self
             .heights
             .locate(x / self.grid.spacing.x, y / self.grid.spacing.y);

@@ -23,9 +23,13 @@
 //! describes a file without keeping it. Limits: north-up rasters of up to 2²⁹ cells, strips and
 //! tiles of up to 64 MiB; PNG and JPEG of up to 256 MiB decoded; horizontal datums only.
 //!
+//! For casters that do not read heights, the ground becomes a [`VoxelVolume`] of densities with
+//! its [`BoundaryArray`], or a [`Pyramid`] of resolutions; both follow edits tile by tile.
+//!
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 
 mod builtin;
+mod cells;
 mod colour;
 mod crs;
 mod error;
@@ -33,21 +37,32 @@ mod fill;
 mod georeference;
 mod ground;
 mod info;
+mod linear_light;
 mod open;
 mod photo;
 mod photo_file;
+mod pyramid;
 mod raster;
+mod reach;
 mod source;
 mod tiled;
+mod voxel;
 
+pub use cells::TiledCells;
 pub use colour::{Rgb, hypsometric};
 pub use crs::{Crs, CrsRelation, Datum, PlaceError, Projection, WktError};
 pub use error::TerrainError;
 pub use georeference::Georeference;
 pub use ground::{Grid, Ground, GroundError, Holes};
 pub use info::{BandInfo, Extent, FileInfo, Sample, SampleValue, info};
+pub use linear_light::LinearLight;
 pub use open::{Terrain, open, open_with_progress};
 pub use photo::Photo;
+pub use pyramid::{Pyramid, PyramidLevel};
 pub use raster::{ColourRole, PixelIs, SampleType};
 pub use source::{MAX_RIDGES_SIZE, SourceError, TerrainSource};
 pub use tiled::{TILE_CELLS, TileIndex, TiledRaster};
+pub use voxel::{
+    BoundaryArray, CellFlag, DensityFilter, HIGHEST_LEVEL, LOWEST_LEVEL, MAX_LEVELS, MAX_SIGMA,
+    MAX_WIDTH, MIN_LEVELS, VoxelError, VoxelShape, VoxelVolume, pre_texture, pre_texture_updated,
+};

@@ -282,6 +282,47 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         }
         (result, changed)
     }
+
+    /// A snapshot in which all posts of `tiles` are asked for anew, in parallel. All other tiles
+    /// are shared with `self`; places off the raster are left out.
+    ///
+    /// Neighbours hold the posts on their common border too, so tiles that hold a post with a new
+    /// value must be asked for together.
+    #[must_use]
+    pub fn with_tiles_renewed(
+        &self,
+        tiles: &[TileIndex],
+        post: impl Fn(u32, u32) -> T + Sync,
+    ) -> Self {
+        let mut result = self.clone();
+        let across = self.tiles_across;
+        result
+            .tiles
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(slot, tile)| {
+                let index = TileIndex {
+                    col: slot as u32 % across,
+                    row: slot as u32 / across,
+                };
+                if tiles.contains(&index) {
+                    let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
+                    let stride = tile.stride;
+                    let posts = (0..tile.posts.len())
+                        .map(|at| post(col0 + (at % stride) as u32, row0 + (at / stride) as u32))
+                        .collect();
+                    *tile = Arc::new(Tile { stride, posts });
+                }
+            });
+        result
+    }
+
+    /// Whether both snapshots hold the very same tile.
+    #[cfg(test)]
+    pub(crate) fn shares(&self, other: &Self, tile: TileIndex) -> bool {
+        let slot = (tile.row * self.tiles_across + tile.col) as usize;
+        Arc::ptr_eq(&self.tiles[slot], &other.tiles[slot])
+    }
 }
 
 #[cfg(test)]
@@ -360,6 +401,19 @@ mod tests {
         assert_eq!(edited.cell(255, 255), [0, 0, 0, 7]);
         assert_eq!(edited.cell(256, 256), [7, 0, 0, 0]);
         assert_eq!(raster.cell(256, 256), [0; 4]);
+    }
+
+    #[test]
+    fn renewed_tiles_are_new_and_the_rest_is_shared() {
+        let raster = TiledRaster::from_fn(300, 600, |col, row| col + 1000 * row);
+        let tile = TileIndex { col: 1, row: 1 };
+        let off = TileIndex { col: 2, row: 0 };
+        let renewed = raster.with_tiles_renewed(&[tile, off], |col, row| 7 + col + 1000 * row);
+        for index in raster.tile_indices() {
+            assert_eq!(raster.shares(&renewed, index), index != tile);
+        }
+        let fresh = TiledRaster::from_fn(300, 600, |col, row| 7 + col + 1000 * row);
+        assert_eq!(renewed.tile_posts(tile), fresh.tile_posts(tile));
     }
 
     #[test]
