@@ -1,5 +1,7 @@
 //! Why a caster cannot be had, or cannot cast.
 
+use sandtable_terrain::VoxelError;
+
 /// What goes wrong between a caster's name and its image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CastError {
@@ -32,6 +34,14 @@ pub enum CastError {
         value: String,
         /// What values it can have.
         expected: String,
+    },
+    /// No voxels can be made so.
+    #[error("{caster}: {error}")]
+    Voxels {
+        /// The caster's name.
+        caster: &'static str,
+        /// What is wrong.
+        error: VoxelError,
     },
     /// The caster's algorithm is not made for such a view.
     #[error("{caster} cannot cast this view: {reason}")]

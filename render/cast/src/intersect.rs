@@ -18,12 +18,17 @@ pub(crate) struct GridFrame<'a> {
 
 impl<'a> GridFrame<'a> {
     pub(crate) fn new(ground: &'a Ground) -> Self {
+        Self::up_to(ground, f64::from(ground.range()[1]))
+    }
+
+    /// As `new`, for terrain that reaches up to `highest` metres.
+    pub(crate) fn up_to(ground: &'a Ground, highest: f64) -> Self {
         let grid = ground.grid();
         Self {
             ground,
             per_metre: DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0),
             size: [f64::from(grid.cols - 1), f64::from(grid.rows - 1)],
-            highest: f64::from(ground.range()[1]),
+            highest,
         }
     }
 
@@ -76,8 +81,8 @@ impl<'a> GridFrame<'a> {
 /// world direction.
 pub(crate) struct GridRay<'a> {
     frame: &'a GridFrame<'a>,
-    origin: DVec3,
-    direction: DVec3,
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
     /// One over the direction's x and y.
     inverse: [f64; 2],
     /// Where the ray is within the rectangle of posts and not above the highest one, for t ≥ 0.
@@ -86,6 +91,11 @@ pub(crate) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
+    /// The x and y of the last post.
+    pub(crate) fn last_post(&self) -> [f64; 2] {
+        self.frame.size
+    }
+
     /// The ray's x and y at `t`, in posts.
     pub(crate) fn place(&self, t: f64) -> [f64; 2] {
         [

@@ -1,7 +1,11 @@
 //! All casters by their names.
 
 use crate::options::Options;
-use crate::{Brute, CastError, Caster, CasterOption, Coherent};
+use crate::voxels::{VOXEL_OPTIONS, VoxelOptions};
+use crate::{
+    Boundary, Brute, CastError, Caster, CasterOption, Coherent, Conventional, Multiresolution,
+    RollLines, Volume,
+};
 use std::sync::Arc;
 
 /// A caster as people choose it.
@@ -32,13 +36,47 @@ impl CasterKind {
 }
 
 /// All casters, the default one first.
-pub static CASTERS: [CasterKind; 2] = [
+pub static CASTERS: [CasterKind; 7] = [
     CasterKind {
         name: "coherent",
         summary: "each column from its bottom up, starting at the last hit, with retracing: for \
                   level views",
         options: &[],
         build: |_| Ok(Arc::new(Coherent)),
+    },
+    CasterKind {
+        name: "volume",
+        summary: "3D samples of a volume of densities, coherent along columns, with retracing",
+        options: &VOXEL_OPTIONS,
+        build: |options| Ok(Arc::new(Volume(VoxelOptions::FILTERED.read(options)?))),
+    },
+    CasterKind {
+        name: "boundary",
+        summary: "volume's samples, ending at the first boundary cell: fast and approximate",
+        options: &VOXEL_OPTIONS,
+        build: |options| Ok(Arc::new(Boundary(VoxelOptions::BINARY.read(options)?))),
+    },
+    CasterKind {
+        name: "conventional",
+        summary: "volume's samples, each ray from the eye: the standard without coherence",
+        options: &VOXEL_OPTIONS,
+        build: |options| {
+            Ok(Arc::new(Conventional(
+                VoxelOptions::FILTERED.read(options)?,
+            )))
+        },
+    },
+    CasterKind {
+        name: "roll-lines",
+        summary: "volume, coherent along pixel lines that follow the roll",
+        options: &VOXEL_OPTIONS,
+        build: |options| Ok(Arc::new(RollLines(VoxelOptions::FILTERED.read(options)?))),
+    },
+    CasterKind {
+        name: Multiresolution::NAME,
+        summary: "grid lines in doubling steps over a pyramid, blended levels: level rows only",
+        options: &Multiresolution::OPTIONS,
+        build: |options| Ok(Arc::new(Multiresolution::read(options)?)),
     },
     CasterKind {
         name: "brute",

@@ -2,7 +2,7 @@
 
 use crate::canvas::Canvas;
 use glam::DVec3;
-use sandtable_terrain::Ground;
+use sandtable_terrain::{Ground, TiledRaster};
 use sandtable_view::Ray;
 
 /// Writes what `ray` sees into a pixel: the ground's colour and depth at `hit`, or the sky.
@@ -22,6 +22,19 @@ pub(crate) fn shade(
         }
         None => canvas.set(pixel, sky(ray.direction), f32::INFINITY),
     }
+}
+
+/// The colour of pre-textured voxel columns at a place in posts, bilinear (papers' row W2).
+#[inline]
+pub(crate) fn bilinear_colour(columns: &TiledRaster<[u8; 4]>, x: f64, y: f64) -> [u8; 3] {
+    let ([col, row], [u, v]) = columns.locate(x, y);
+    let (u, v) = (u as f32, v as f32);
+    let [sw, se, nw, ne] = columns.cell(col, row);
+    std::array::from_fn(|k| {
+        let [sw, se, nw, ne] = [sw[k], se[k], nw[k], ne[k]].map(f32::from);
+        let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
+        (south + (north - south) * v + 0.5) as u8
+    })
 }
 
 /// The sky's colour along `direction`: pale at the horizon and bluer above. Below the horizon, where
