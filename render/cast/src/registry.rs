@@ -1,7 +1,8 @@
 //! All casters by their names.
 
 use crate::options::Options;
-use crate::{Brute, CastError, Caster, CasterOption, Coherent};
+use crate::{Brute, CastError, Caster, CasterOption, Coherent, FloatingHorizon, Inclined};
+use crate::{floating_horizon, inclined};
 use std::sync::Arc;
 
 /// A caster as people choose it.
@@ -32,7 +33,7 @@ impl CasterKind {
 }
 
 /// All casters, the default one first.
-pub static CASTERS: [CasterKind; 2] = [
+pub static CASTERS: [CasterKind; 6] = [
     CasterKind {
         name: "coherent",
         summary: "each column from its bottom up, starting at the last hit, with retracing: for \
@@ -46,6 +47,34 @@ pub static CASTERS: [CasterKind; 2] = [
                   slow",
         options: &[],
         build: |_| Ok(Arc::new(Brute)),
+    },
+    CasterKind {
+        name: "floating-horizon",
+        summary: "each column from its bottom up over slices parallel to the screen, to within a \
+                  cell: for upright windows",
+        options: &floating_horizon::OPTIONS,
+        build: |options| Ok(Arc::new(FloatingHorizon::from_options(options)?)),
+    },
+    CasterKind {
+        name: "inclined-naive",
+        summary: "slices, each column taken for a vertical plane: bends inclined views, for \
+                  comparison",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::naive(options)?)),
+    },
+    CasterKind {
+        name: "inclined",
+        summary: "slices, columns' planes met at the lowest height: higher ground is shifted, \
+                  vertical lines stay vertical",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::on_base_plane(options)?)),
+    },
+    CasterKind {
+        name: "inclined-corrected",
+        summary: "slices, columns' planes met at each ray's height: for level rows at any \
+                  inclination, table tops too",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::corrected(options)?)),
     },
 ];
 
