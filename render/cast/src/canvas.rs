@@ -34,13 +34,6 @@ impl<'a> Canvas<'a> {
         self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
         self.depth[at].store(depth.to_bits(), Ordering::Relaxed);
     }
-
-    /// Sets pixel (i, j)'s colour and leaves its depth as it is.
-    #[inline]
-    pub(crate) fn set_colour(&self, [i, j]: [u32; 2], [r, g, b]: [u8; 3]) {
-        let at = j as usize * self.width + i as usize;
-        self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
-    }
 }
 
 fn atomic(words: &mut [u32]) -> &[AtomicU32] {

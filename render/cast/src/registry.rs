@@ -3,8 +3,8 @@
 use crate::options::Options;
 use crate::voxels::{VOXEL_OPTIONS, VoxelOptions};
 use crate::{
-    Boundary, Brute, CastError, Caster, CasterOption, Coherent, Conventional, Multiresolution,
-    RollLines, Volume,
+    Boundary, Brute, CastError, Caster, CasterOption, Coherent, Conventional, FloatingHorizon,
+    Inclined, Multiresolution, RollLines, Volume, floating_horizon, inclined,
 };
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ impl CasterKind {
 }
 
 /// All casters, the default one first.
-pub static CASTERS: [CasterKind; 7] = [
+pub static CASTERS: [CasterKind; 11] = [
     CasterKind {
         name: "coherent",
         summary: "each column from its bottom up, starting at the last hit, with retracing: for \
@@ -84,6 +84,34 @@ pub static CASTERS: [CasterKind; 7] = [
                   slow",
         options: &[],
         build: |_| Ok(Arc::new(Brute)),
+    },
+    CasterKind {
+        name: "floating-horizon",
+        summary: "each column from its bottom up over slices parallel to the screen, to within a \
+                  cell: for upright windows",
+        options: &floating_horizon::OPTIONS,
+        build: |options| Ok(Arc::new(FloatingHorizon::from_options(options)?)),
+    },
+    CasterKind {
+        name: "inclined-naive",
+        summary: "slices, each column taken for a vertical plane: bends inclined views, for \
+                  comparison",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::naive(options)?)),
+    },
+    CasterKind {
+        name: "inclined",
+        summary: "slices, columns' planes met at the lowest height: higher ground is shifted, \
+                  vertical lines stay vertical",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::on_base_plane(options)?)),
+    },
+    CasterKind {
+        name: "inclined-corrected",
+        summary: "slices, columns' planes met at each ray's height: for level rows at any \
+                  inclination, table tops too",
+        options: &inclined::OPTIONS,
+        build: |options| Ok(Arc::new(Inclined::corrected(options)?)),
     },
 ];
 
