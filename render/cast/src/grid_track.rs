@@ -326,10 +326,10 @@ impl<'a> GridTrack<'a> {
             let cell: [u32; 2] =
                 std::array::from_fn(|k| ((place[k] / size) as u32).min(counts[k] - 1));
             let mut exit = ray.leave;
-            for axis in 0..2 {
+            for (axis, cell) in cell.into_iter().enumerate() {
                 let direction = ray.direction[axis];
                 if direction != 0.0 {
-                    let line = f64::from(cell[axis] + u32::from(direction > 0.0)) * size;
+                    let line = f64::from(cell + u32::from(direction > 0.0)) * size;
                     exit = exit.min(((line - ray.origin[axis]) / direction).max(inside));
                 }
             }
