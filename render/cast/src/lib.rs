@@ -31,6 +31,7 @@ mod registry;
 mod scheme;
 mod shade;
 mod slice_depth;
+mod slice_march;
 mod slice_posts;
 mod slices;
 pub mod standpoints;
