@@ -38,6 +38,7 @@ mod samples;
 mod scheme;
 mod shade;
 mod slice_depth;
+mod slice_march;
 mod slice_posts;
 mod slices;
 pub mod standpoints;

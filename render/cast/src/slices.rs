@@ -1,14 +1,14 @@
-//! Marching over terrain slices: vertical planes parallel to pixel rows, at even distances.
+//! A view cut into terrain slices: vertical planes parallel to pixel rows, at even distances.
 
 use crate::canvas::Canvas;
 use crate::level_window::LevelWindow;
 use crate::options::Options;
-use crate::shade::sky;
 use crate::slice_depth::{AtSlice, AtSurface, Depth, DepthRule, NoDepth, RowDepth};
+use crate::slice_march::March;
 use crate::slice_posts::{Bilinear, Nearest, SlicePosts};
 use crate::tally::Tally;
 use crate::{CastError, CasterOption};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use sandtable_terrain::Ground;
 use sandtable_view::{Rays, View};
 
@@ -70,51 +70,51 @@ pub(crate) enum Sampling {
 /// One view, cut into slices.
 pub(crate) struct SliceFrame<'a> {
     ground: &'a Ground,
-    rays: Rays,
+    pub(crate) rays: Rays,
     size: [u32; 2],
-    window: LevelWindow,
-    sampling: Sampling,
+    pub(crate) window: LevelWindow,
+    pub(crate) sampling: Sampling,
     options: SliceOptions,
     /// Metres between slices.
-    step: f64,
+    pub(crate) step: f64,
     /// The eye's height, and the lowest post's, in metres.
-    eye_height: f64,
-    base: f64,
+    pub(crate) eye_height: f64,
+    pub(crate) base: f64,
     /// The eye's place, the last post's, and one metre, in posts.
-    eye: DVec2,
-    last: DVec2,
-    per_metre: DVec2,
+    pub(crate) eye: DVec2,
+    pub(crate) last: DVec2,
+    pub(crate) per_metre: DVec2,
     sweeps: [Sweep; 2],
 }
 
 /// One march over the slices, away from the eye: forward, or behind it.
-struct Sweep {
+pub(crate) struct Sweep {
     /// Unit vector on the ground, in the world.
-    ahead: DVec2,
+    pub(crate) ahead: DVec2,
     /// cos α towards `ahead`.
-    cos: f64,
+    pub(crate) cos: f64,
     /// The number of the first slice that can meet the terrain, counted from the eye's, and how
     /// many there are.
     first: f64,
-    slices: usize,
+    pub(crate) slices: usize,
     /// In the order of rising elevation.
-    rows: Vec<Row>,
+    pub(crate) rows: Vec<Row>,
 }
 
 /// A pixel row: what its rays have in common.
-struct Row {
+pub(crate) struct Row {
     /// The row in the image, down from the top.
-    j: u32,
+    pub(crate) j: u32,
     /// Metres upwards for each metre across slices.
-    slope: f64,
+    pub(crate) slope: f64,
     /// Window distances to the side for each metre across slices and each window distance that
     /// the column is off the normal's foot.
-    spread: f64,
+    pub(crate) spread: f64,
     /// Metres across slices at which a falling ray comes down to the highest post, and beyond
     /// which a rising one is above it.
-    enter: f64,
-    reach: f64,
-    depth: RowDepth,
+    pub(crate) enter: f64,
+    pub(crate) reach: f64,
+    pub(crate) depth: RowDepth,
 }
 
 impl<'a> SliceFrame<'a> {
@@ -202,18 +202,8 @@ impl<'a> SliceFrame<'a> {
     ) {
         let first = unit as u32 * BLOCK_WIDTH;
         for column in first..self.size[0].min(first + BLOCK_WIDTH) {
-            let offset = self.window.column(column);
             for sweep in &self.sweeps {
-                let mut march = March {
-                    frame: self,
-                    sweep,
-                    posts,
-                    canvas,
-                    tally: &mut *tally,
-                    column,
-                    offset,
-                    offset_squared: (offset * offset) as f32,
-                };
+                let mut march = March::new(self, sweep, posts, canvas, &mut *tally, column);
                 if self.sampling == Sampling::AtRayHeight {
                     march.at_ray_height::<D>();
                 } else {
@@ -261,193 +251,13 @@ fn rows(window: &LevelWindow, sign: f64, height: u32, eye: f64, highest: f64) ->
 impl Sweep {
     /// Metres across slices of the `n`th slice that can meet the terrain.
     #[inline]
-    fn at(&self, n: usize, step: f64) -> f64 {
+    pub(crate) fn at(&self, n: usize, step: f64) -> f64 {
         (self.first + n as f64) * step
     }
 
     /// The slices that lie from `from` to `to` metres across them, as a half-open range.
-    fn between(&self, from: f64, to: f64, step: f64) -> std::ops::Range<usize> {
+    pub(crate) fn between(&self, from: f64, to: f64, step: f64) -> std::ops::Range<usize> {
         let end = ((to / step).floor() - self.first + 1.0) as usize;
         ((from / step).ceil() - self.first) as usize..end.min(self.slices)
-    }
-}
-
-/// The metres from `origin` along `direction` between which a line is within the rectangle from
-/// 0 to `last`; none where the first is more than the second.
-fn clip(origin: DVec2, direction: DVec2, last: DVec2) -> [f64; 2] {
-    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
-    for axis in 0..2 {
-        if direction[axis] == 0.0 {
-            if !(0.0..=last[axis]).contains(&origin[axis]) {
-                return [f64::INFINITY, f64::NEG_INFINITY];
-            }
-        } else {
-            let a = -origin[axis] / direction[axis];
-            let b = (last[axis] - origin[axis]) / direction[axis];
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-    }
-    [enter, leave]
-}
-
-/// One pixel column's march over one sweep's slices.
-struct March<'a, P, T> {
-    frame: &'a SliceFrame<'a>,
-    sweep: &'a Sweep,
-    posts: &'a P,
-    canvas: &'a Canvas<'a>,
-    tally: &'a mut T,
-    column: u32,
-    /// The column's offset from the normal's foot in window distances, and its square.
-    offset: f64,
-    offset_squared: f32,
-}
-
-impl<'p, P: SlicePosts<'p>, T: Tally> March<'_, P, T> {
-    /// A sideways metre of the window's plane and a metre ahead, in posts.
-    fn side_and_ahead(&self) -> [DVec2; 2] {
-        let frame = self.frame;
-        [
-            frame.window.right * self.offset * frame.per_metre,
-            self.sweep.ahead * frame.per_metre,
-        ]
-    }
-
-    /// Looks the ground up along one line for all rays of the column.
-    fn along_track<D: DepthRule>(&mut self) {
-        let (frame, sweep) = (self.frame, self.sweep);
-        let rows = &sweep.rows;
-        let Some(mut row) = rows.first() else { return };
-        let [side, ahead] = self.side_and_ahead();
-        let (origin, direction) = if frame.sampling == Sampling::VerticalPlane {
-            (frame.eye, ahead + side / sweep.cos)
-        } else {
-            let foot = (frame.eye_height - frame.base) * frame.window.sin;
-            (frame.eye + side * foot, ahead + side * sweep.cos)
-        };
-        let [enter, leave] = clip(origin, direction, frame.last);
-        let mut done = 0;
-        for n in sweep.between(enter.max(row.enter), leave, frame.step) {
-            let y = sweep.at(n, frame.step);
-            if y > row.reach {
-                break;
-            }
-            let place = origin + y * direction;
-            let place = self.posts.place(place.x, place.y);
-            self.tally.sample();
-            let height = self.posts.height(place, self.tally);
-            if frame.eye_height + row.slope * y > height {
-                continue;
-            }
-            let colour = self.posts.colour(place);
-            loop {
-                self.paint::<D>(row, y, height, colour);
-                done += 1;
-                let Some(next) = rows.get(done) else { return };
-                row = next;
-                if frame.eye_height + row.slope * y > height {
-                    break;
-                }
-            }
-        }
-        for row in &rows[done..] {
-            self.paint_sky(row);
-        }
-    }
-
-    /// Looks the ground up where the ray itself is.
-    fn at_ray_height<D: DepthRule>(&mut self) {
-        let (frame, sweep) = (self.frame, self.sweep);
-        let Some(lowest) = sweep.rows.first() else {
-            return;
-        };
-        let [side, ahead] = self.side_and_ahead();
-        let eye_is_outside = frame.eye.clamp(DVec2::ZERO, frame.last) != frame.eye;
-        let mut next = sweep.between(lowest.enter, 0.0, frame.step).start;
-        let mut entered = None;
-        let mut painted = None;
-        for row in &sweep.rows {
-            // The first slice at which the ray is over the terrain. The ray of the row before may
-            // have come later, and has not looked at the slices until it did.
-            let enter = if eye_is_outside {
-                let direction = ahead + side * row.spread;
-                let [enter, leave] = clip(frame.eye, direction, frame.last);
-                let slices = sweep.between(enter, leave, frame.step);
-                if slices.is_empty() {
-                    sweep.slices
-                } else {
-                    slices.start
-                }
-            } else {
-                0
-            };
-            let unseen = enter..entered.replace(enter).unwrap_or(enter);
-            let mut hit = None;
-            let ahead_of_seen = next.max(enter)..sweep.slices;
-            next = ahead_of_seen.end;
-            for n in unseen.chain(ahead_of_seen) {
-                next = n;
-                let y = sweep.at(n, frame.step);
-                if y > row.reach {
-                    break;
-                }
-                let z = frame.eye_height + row.slope * y;
-                // Not below the base plane, unless the ray was there a slice ago.
-                let before = z - row.slope * frame.step.min(y);
-                let level = z.max(before.min(frame.base));
-                let sideways = y * sweep.cos + (frame.eye_height - level) * frame.window.sin;
-                let place = frame.eye + y * ahead + sideways * side;
-                if level == z && !self.is_inside(place) {
-                    break;
-                }
-                let place = self.posts.place(place.x, place.y);
-                self.tally.sample();
-                let height = self.posts.height(place, self.tally);
-                if z <= height {
-                    hit = Some((place, y, height));
-                    break;
-                }
-            }
-            let Some((place, y, height)) = hit else {
-                self.paint_sky(row);
-                continue;
-            };
-            let colour = match painted {
-                Some((at, colour)) if at == place => colour,
-                _ => self.posts.colour(place),
-            };
-            painted = Some((place, colour));
-            self.paint::<D>(row, y, height, colour);
-        }
-    }
-
-    /// Whether a place is on the terrain, give or take rounding.
-    #[inline]
-    fn is_inside(&self, place: DVec2) -> bool {
-        const ROUNDING: f64 = 1e-6;
-        let last = self.frame.last;
-        place.x >= -ROUNDING
-            && place.y >= -ROUNDING
-            && place.x <= last.x + ROUNDING
-            && place.y <= last.y + ROUNDING
-    }
-
-    /// Paints the pixel whose ray ends at the slice `y` metres away, of height `height` there.
-    #[inline]
-    fn paint<D: DepthRule>(&mut self, row: &Row, y: f64, height: f64, colour: [u8; 3]) {
-        self.tally.ray();
-        let frame = self.frame;
-        let rise = height - frame.eye_height;
-        let depth = D::depth(&row.depth, self.offset_squared, y, frame.step, rise);
-        self.canvas.set([self.column, row.j], colour, depth);
-    }
-
-    #[inline]
-    fn paint_sky(&mut self, row: &Row) {
-        self.tally.ray();
-        let pixel = [self.column, row.j];
-        let direction: DVec3 = self.frame.rays.ray(self.column, row.j).direction;
-        self.canvas.set(pixel, sky(direction), f32::INFINITY);
     }
 }

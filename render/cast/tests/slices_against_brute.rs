@@ -175,7 +175,15 @@ fn inclined_corrected_is_near_brute_at_any_inclination() {
                 [(0.06, 3.5, 30.2), (0.0, 3.0, 31.5)],
             ],
         ),
-        // The point straight below the eye lies in the window: rows march forward and backward.
+        // From here on the point straight below the eye lies in the window, and rows march
+        // forward and backward.
+        (
+            75.0,
+            [
+                [(4.8, 8.5, 21.7), (4.7, 8.1, 22.0)],
+                [(0.0, 4.7, 27.6), (0.0, 4.3, 28.2)],
+            ],
+        ),
         (
             90.0,
             [
@@ -316,7 +324,7 @@ fn painted_columns(image: &Image) -> Vec<Vec<u32>> {
 #[test]
 fn flat_ground_is_seen_as_it_is() {
     let scene = painted(NOWHERE, |col, row| (col / 8 + row / 10) % 2 == 0);
-    for down in [30.0, 60.0, 90.0] {
+    for down in [30.0, 60.0, 75.0, 90.0] {
         let camera = camera(&scene, [0.5, 0.4], 40.0, down);
         for view in [camera.view(SIZE), off_axis(&scene, camera)] {
             let exact = cast(&Brute, &scene, view);
@@ -328,6 +336,26 @@ fn flat_ground_is_seen_as_it_is() {
                 assert!(wrong < 2e-3 && depth < 1e-6 && psnr > 19.0, "{text}");
             }
         }
+    }
+}
+
+#[test]
+fn naive_is_right_in_the_row_of_the_normals_foot_only() {
+    let scene = painted(NOWHERE, |col, row| (col / 8 + row / 10) % 2 == 0);
+    for down in [30.0, 60.0] {
+        let view = camera(&scene, [0.5, 0.4], 40.0, down).view(SIZE);
+        let naive = cast_by("inclined-naive?posts=bilinear&step=0.1", &scene, view);
+        let exact = cast(&Brute, &scene, view);
+        // The normal's foot is the window's middle, between rows 99 and 100.
+        let share = |row: usize| {
+            let row = row * SIZE[0] as usize..(row + 1) * SIZE[0] as usize;
+            let pixels = naive.colour()[row.clone()].iter().zip(&exact.colour()[row]);
+            let alike = pixels.filter(|(a, b)| a[0].abs_diff(b[0]) < 32);
+            alike.count() as f64 / f64::from(SIZE[0])
+        };
+        let shares = [share(99), share(100), share(160), share(40)];
+        assert!(shares[0].min(shares[1]) > 0.95, "{down}°: {shares:?}");
+        assert!(shares[2].max(shares[3]) < 0.85, "{down}°: {shares:?}");
     }
 }
 
