@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         Some(Command::Fly(args)) => command::fly::run(args),
         Some(Command::Info(args)) => command::info::run(args),
         Some(Command::Render(args)) => command::render::run(args),
+        Some(Command::Casters(args)) => command::casters::run(args),
         Some(Command::Bench(args)) => command::bench::run(args, started),
         Some(Command::Simulate(args)) => command::simulate::run(args),
         Some(Command::Record(args)) => command::record::run(args),

@@ -1,6 +1,7 @@
-//! The commands, a file each.
+//! The commands, a file or folder each.
 
 pub(crate) mod bench;
+pub(crate) mod casters;
 pub(crate) mod doctor;
 pub(crate) mod fly;
 pub(crate) mod info;
