@@ -1,8 +1,10 @@
 //! The command line.
 
 mod bench;
+mod reproduce;
 
 pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
+pub(crate) use reproduce::{Paper, ReproduceArgs};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
@@ -43,6 +45,8 @@ pub(crate) enum Command {
     Casters(CastersArgs),
     /// Time casters against each other.
     Bench(BenchArgs),
+    /// Redo a paper's measurements and figures, beside the paper's own numbers.
+    Reproduce(ReproduceArgs),
     /// Be a device: play a motion on a pseudo-terminal.
     Simulate(SimulateArgs),
     /// Record the rig's devices without opening the table.

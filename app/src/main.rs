@@ -48,6 +48,7 @@ fn main() -> ExitCode {
         Some(Command::Render(args)) => command::render::run(args),
         Some(Command::Casters(args)) => command::casters::run(args),
         Some(Command::Bench(args)) => command::bench::run(args, started),
+        Some(Command::Reproduce(args)) => command::reproduce::run(args),
         Some(Command::Simulate(args)) => command::simulate::run(args),
         Some(Command::Record(args)) => command::record::run(args),
         Some(Command::Doctor(args)) => command::doctor::run(args),

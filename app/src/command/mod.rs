@@ -7,4 +7,5 @@ pub(crate) mod fly;
 pub(crate) mod info;
 pub(crate) mod record;
 pub(crate) mod render;
+pub(crate) mod reproduce;
 pub(crate) mod simulate;
