@@ -1,6 +1,13 @@
 //! The command line.
 
+mod bench;
+mod reproduce;
+
+pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
+pub(crate) use reproduce::{Paper, ReproduceArgs};
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
 use std::path::PathBuf;
 
@@ -34,8 +41,12 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Render one image, or a flight along a path.
     Render(RenderArgs),
+    /// List the casters, with what can be set of each.
+    Casters(CastersArgs),
     /// Time casters against each other.
     Bench(BenchArgs),
+    /// Redo a paper's measurements and figures, beside the paper's own numbers.
+    Reproduce(ReproduceArgs),
     /// Be a device: play a motion on a pseudo-terminal.
     Simulate(SimulateArgs),
     /// Record the rig's devices without opening the table.
@@ -119,7 +130,7 @@ pub(crate) struct FlyArgs {
     #[arg(long)]
     pub(crate) swap_eyes: bool,
 
-    /// The caster.
+    /// The caster, with its options: NAME or NAME?KEY=VALUE&KEY=VALUE (see `sandtable casters`).
     #[arg(long, value_name = "CASTER", default_value = "coherent")]
     pub(crate) caster: String,
 
@@ -186,13 +197,17 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) path: Option<PathBuf>,
 
-    /// The caster.
+    /// The caster, with its options: NAME or NAME?KEY=VALUE&KEY=VALUE (see `sandtable casters`).
     #[arg(long, value_name = "CASTER", default_value = "coherent")]
     pub(crate) caster: String,
 
     /// Casting threads; 0 takes one for each core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
+
+    /// How the work is shared out among them: stealing, interleave or pool.
+    #[arg(long, value_name = "SCHEME", default_value_t)]
+    pub(crate) scheme: Scheme,
 
     /// Both eyes, each at the view's size, in one image.
     #[arg(long, value_enum, value_name = "MODE", default_value = "mono")]
@@ -215,62 +230,6 @@ pub(crate) struct RenderArgs {
     /// elevations.
     #[arg(long, value_names = ["SPEED", "HEIGHT"], num_args = 2, default_values_t = [100.0, 150.0])]
     pub(crate) flight: Vec<f64>,
-}
-
-/// Arguments of `bench`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  sandtable bench builtin:ridges?size=1025\n  \
-    sandtable bench mountains.tif --view ridge.toml --caster brute --caster coherent --check --json"
-)]
-pub(crate) struct BenchArgs {
-    #[command(flatten)]
-    pub(crate) terrain: TerrainArgs,
-
-    /// A view file; may be repeated.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) view: Vec<PathBuf>,
-
-    /// Without a view file: one view of each kind, or twelve level views at 640x360.
-    #[arg(
-        long,
-        value_enum,
-        value_name = "SET",
-        default_value = "mixed",
-        conflicts_with = "view"
-    )]
-    pub(crate) views: ViewSet,
-
-    /// A caster; may be repeated. Without one: the default caster.
-    #[arg(long, value_name = "CASTER")]
-    pub(crate) caster: Vec<String>,
-
-    /// Casting threads; may be repeated.
-    #[arg(long, value_name = "N", default_values_t = [1, 2])]
-    pub(crate) threads: Vec<usize>,
-
-    /// Frames timed for each figure.
-    #[arg(long, value_name = "F", default_value_t = 9)]
-    pub(crate) frames: usize,
-
-    /// Compare each caster's image with brute force.
-    #[arg(long)]
-    pub(crate) check: bool,
-
-    /// Print JSON: a list with an object for each caster, view and number of threads. Under `check`,
-    /// `max_cells` is null where sky and ground were taken for each other, `psnr_db` where the images
-    /// are identical.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Views that need no view file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ViewSet {
-    /// Pitched, to the horizon, rolled, straight down, and at a table.
-    Mixed,
-    /// Twelve views without roll.
-    Level,
 }
 
 /// Arguments of `simulate`.

@@ -16,6 +16,11 @@ pub(crate) fn make_folder(path: &Path) -> Result<()> {
     }
 }
 
+/// Writes a text file.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_whole(path, |file| Ok(file.write_all(text.as_bytes())?))
+}
+
 /// Writes a file through `write`, under a temporary name beside it that takes its place at the
 /// end: what was there before survives a failure.
 fn write_whole(

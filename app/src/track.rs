@@ -48,7 +48,8 @@ pub(crate) fn render(
             track.seconds()
         );
     }
-    let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
+    let pool = CastPool::new(args.threads).context("cannot start the casting threads")?;
+    let pool = Arc::new(pool.with_scheme(args.scheme));
     let rig = Rig::builtin("desktop")?;
     let hub = Arc::new(Hub::for_rig(&rig));
     let mut session = Session::new(rig, &open, caster, Arc::clone(&pool), hub)?;

@@ -21,7 +21,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let view_file = view_file.ok_or_else(|| usage("a view file is needed: --view FILE"))?;
     let views = views(&view_file, args.stereo).map_err(usage)?;
     let open = scene::open(&args.terrain)?;
-    let pool = CastPool::new(args.threads).context("cannot start the casting threads")?;
+    let pool = CastPool::new(args.threads)
+        .context("cannot start the casting threads")?
+        .with_scheme(args.scheme);
     let prepared = pool.run(|| caster.caster.prepare(Arc::clone(&open.scene)))?;
     let mut images = vec![Image::default(); views.len()];
     pool.cast(&*prepared, &views, &mut images)?;

@@ -12,6 +12,8 @@ pub struct Difference {
     pub over_tenth_cell: u64,
     /// Pixels whose depth differs by more than half a cell.
     pub over_half_cell: u64,
+    /// Pixels whose depth differs by more than a cell.
+    pub over_one_cell: u64,
     /// Peak signal-to-noise ratio of the colours in dB; `None` where they are identical.
     pub psnr_db: Option<f64>,
 }
@@ -28,6 +30,7 @@ impl Difference {
             max_cells: 0.0,
             over_tenth_cell: 0,
             over_half_cell: 0,
+            over_one_cell: 0,
             psnr_db: None,
         };
         for (&found, &wanted) in image.depth.iter().zip(&exact.depth) {
@@ -36,6 +39,7 @@ impl Difference {
                 result.max_cells = result.max_cells.max(cells);
                 result.over_tenth_cell += u64::from(cells > 0.1);
                 result.over_half_cell += u64::from(cells > 0.5);
+                result.over_one_cell += u64::from(cells > 1.0);
             }
         }
         let mut squares = 0.0;

@@ -119,3 +119,75 @@ pub fn at_table(ground: &Ground, eye: DVec3, size: [u32; 2]) -> View {
         size,
     }
 }
+
+/// The view of Wan, Qu and Kaufman's measurements (1999; papers' row W10): 500 by 400 pixels,
+/// looking east and 30° down from the western border, rolled by `roll` radians.
+///
+/// The paper does not say where the eye is, nor its field of view.
+#[must_use]
+pub fn wan(ground: &Ground, roll: f64) -> View {
+    let extent = ground.grid().extent();
+    let z = f64::from(ground.range()[1]) + 0.1 * extent.max_element();
+    Camera {
+        eye: DVec3::new(0.02 * extent.x, 0.5 * extent.y, z),
+        attitude: Attitude {
+            yaw: std::f64::consts::FRAC_PI_2,
+            pitch: (-30.0_f64).to_radians(),
+            roll,
+        },
+        horizontal_fov: HORIZONTAL_FOV,
+    }
+    .view([500, 400])
+}
+
+/// A horizontal view direction, as the floating horizon with depth needs it (Szenberg, Gattass
+/// and Carvalho 1997; papers' row Z2): northwards from the southern border, from just above the
+/// highest post.
+#[must_use]
+pub fn ahead(ground: &Ground, size: [u32; 2]) -> View {
+    let extent = ground.grid().extent();
+    let z = f64::from(ground.range()[1]) + 0.01 * extent.max_element();
+    Camera {
+        eye: DVec3::new(0.5 * extent.x, 0.02 * extent.y, z),
+        attitude: Attitude::default(),
+        horizontal_fov: HORIZONTAL_FOV,
+    }
+    .view(size)
+}
+
+/// A view whose plane is inclined by `inclination` radians, in (0, π/2], from upright (Guedes,
+/// Gattass and Carvalho 1997; papers' row G3): northwards, at the middle of the ground.
+#[must_use]
+pub fn inclined(ground: &Ground, inclination: f64, size: [u32; 2]) -> View {
+    let extent = ground.grid().extent();
+    let [low, high] = ground.range().map(f64::from);
+    let z = high + 0.25 * extent.max_element();
+    let back = (z - 0.5 * (low + high)) / inclination.tan();
+    Camera {
+        eye: DVec3::new(0.5 * extent.x, 0.5 * extent.y - back, z),
+        attitude: Attitude {
+            pitch: -inclination,
+            ..Attitude::default()
+        },
+        horizontal_fov: HORIZONTAL_FOV,
+    }
+    .view(size)
+}
+
+/// A view `pitch` radians down, northwards from inside the southern border, as Cohen-Or and
+/// others (1996; papers' row C11) measured at three pitches. Along `flown`, in [0, 1], the eye
+/// flies to the middle of the ground.
+#[must_use]
+pub fn flown(ground: &Ground, pitch: f64, flown: f64, size: [u32; 2]) -> View {
+    let extent = ground.grid().extent();
+    let z = f64::from(ground.range()[1]) + 0.05 * extent.max_element();
+    Camera {
+        eye: DVec3::new(0.5 * extent.x, (0.02 + 0.48 * flown) * extent.y, z),
+        attitude: Attitude {
+            pitch: -pitch,
+            ..Attitude::default()
+        },
+        horizontal_fov: HORIZONTAL_FOV,
+    }
+    .view(size)
+}
