@@ -315,9 +315,10 @@ mod tests {
 
     #[test]
     fn an_early_stop_is_the_mean_over_ground_in_cells() {
-        let image = |depth: &[f32]| Image {
-            depth: depth.to_vec(),
-            ..Image::default()
+        let image = |depth: &[f32]| {
+            let mut image = Image::default();
+            image.depth = depth.to_vec();
+            image
         };
         let exact = image(&[100.0, 50.0, f32::INFINITY, 80.0]);
         let found = image(&[90.0, 50.0, f32::INFINITY, f32::INFINITY]);
