@@ -1,6 +1,8 @@
 //! What the program writes, read back by means of its own: the header of a video, the length of a
-//! sound, depth.
+//! sound, depth, charts and pages.
 
+use quick_xml::Reader;
+use quick_xml::events::Event;
 use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult};
 
@@ -69,4 +71,63 @@ pub(crate) fn depth(path: &Path) -> ([u32; 2], Vec<f32>) {
         DecodingResult::F32(values) => ([width, height], values),
         other => panic!("not float32: {other:?}"),
     }
+}
+
+/// The parts of XML text, all of its elements closed in their order.
+fn xml_events(bytes: &[u8]) -> Vec<Event<'_>> {
+    let text = std::str::from_utf8(bytes).expect("UTF-8");
+    let mut reader = Reader::from_str(text);
+    let (mut events, mut open) = (Vec::new(), 0);
+    loop {
+        let event = reader.read_event();
+        match event.unwrap_or_else(|error| panic!("{error} at {}", reader.error_position())) {
+            Event::Eof => break,
+            event => {
+                open += i32::from(matches!(event, Event::Start(_)));
+                open -= i32::from(matches!(event, Event::End(_)));
+                events.push(event);
+            }
+        }
+    }
+    assert_eq!(open, 0, "elements are left open");
+    events
+}
+
+/// What XML text says between its elements, each piece on a line.
+pub(crate) fn xml_text(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for event in xml_events(bytes) {
+        match event {
+            Event::Text(piece) => text += &piece.decode().expect("UTF-8"),
+            Event::GeneralRef(name) => {
+                text += match &*name.decode().expect("UTF-8") {
+                    "amp" => "&",
+                    "lt" => "<",
+                    "gt" => ">",
+                    "quot" => "\"",
+                    "apos" => "'",
+                    other => panic!("&{other}; is not one of XML's own"),
+                }
+            }
+            Event::End(_) => text.push('\n'),
+            _ => {}
+        }
+    }
+    text
+}
+
+/// The values of an attribute in all elements of a name.
+pub(crate) fn xml_attributes(bytes: &[u8], element: &str, attribute: &str) -> Vec<String> {
+    let mut values = Vec::new();
+    for event in xml_events(bytes) {
+        let (Event::Start(start) | Event::Empty(start)) = event else {
+            continue;
+        };
+        if start.name().as_ref() == element.as_bytes() {
+            let value = start.try_get_attribute(attribute).expect("attributes");
+            let value = value.map(|it| String::from_utf8(it.value.into_owned()));
+            values.extend(value.map(|it| it.expect("UTF-8")));
+        }
+    }
+    values
 }

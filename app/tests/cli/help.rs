@@ -9,7 +9,9 @@ fn every_command_that_takes_something_has_an_example() {
         "fly",
         "info",
         "render",
+        "casters",
         "bench",
+        "reproduce",
         "simulate",
         "simulate flock",
         "record",
@@ -30,7 +32,15 @@ fn the_program_lists_its_commands_and_tells_its_version() {
     let folder = Folder::new();
     let said = folder.run("--help").done().out;
     for command in [
-        "fly", "info", "render", "bench", "simulate", "record", "doctor",
+        "fly",
+        "info",
+        "render",
+        "casters",
+        "bench",
+        "reproduce",
+        "simulate",
+        "record",
+        "doctor",
     ] {
         let listed = said
             .lines()
@@ -52,6 +62,10 @@ fn what_is_not_an_argument_is_bad_usage() {
         .run("fly --stereo cross-eyed")
         .failed(2, &["anaglyph"]);
     folder.run("render --veiw v.toml").failed(2, &["--veiw"]);
+    folder
+        .run("render --scheme tiles")
+        .failed(2, &["interleave"]);
+    folder.run("reproduce he2009").failed(2, &["wan1999"]);
     folder
         .run("fly --replay a.mcap --rig desktop")
         .failed(2, &["--replay", "--rig"]);

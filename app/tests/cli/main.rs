@@ -13,6 +13,7 @@ mod output;
 mod program;
 mod recording;
 mod render;
+mod reproduce;
 #[cfg(unix)]
 mod simulate;
 mod track;

@@ -36,7 +36,7 @@ const FLIGHT: usize = 24;
 /// Measures and draws.
 pub(super) fn report(setup: &Setup) -> Result<Report> {
     let (name, scene) = setup.ridges(1025)?;
-    let caster = prepared(&setup.many, &scene, "multiresolution");
+    let caster = prepared(&setup.many, &scene, "multiresolution")?;
     let mut report = Report::new("Photo-realistic visual flythrough, 1996", CITATION);
     report.paragraph(format!(
         "The paper casts columns of pixels through a pyramid of resolutions on an IBM Power \
@@ -45,12 +45,12 @@ pub(super) fn report(setup: &Setup) -> Result<Report> {
         SIZE[0], SIZE[1]
     ));
     report.heading("Pitch and processors");
-    let one_level = prepared(&setup.many, &scene, "coherent");
+    let one_level = prepared(&setup.many, &scene, "coherent")?;
     pitches(&mut report, setup, &scene, [&caster, &one_level])?;
     report.heading("Sharing out the work");
     report.table(schemes(setup, &scene, &caster)?);
     report.heading("Blended levels");
-    flight(&mut report, setup, &scene, &caster);
+    flight(&mut report, setup, &scene)?;
     Ok(report)
 }
 
@@ -195,7 +195,7 @@ fn schemes(setup: &Setup, scene: &Arc<Scene>, caster: &Prepared) -> Result<Table
 }
 
 /// How much successive frames differ with and without blended levels, and some of them.
-fn flight(report: &mut Report, setup: &Setup, scene: &Arc<Scene>, blended: &Prepared) {
+fn flight(report: &mut Report, setup: &Setup, scene: &Arc<Scene>) -> Result<()> {
     let pool = &setup.many;
     let views: Vec<_> = (0..FLIGHT)
         .map(|frame| on_the_way(scene, frame, FLIGHT, FLOWN))
@@ -216,13 +216,14 @@ fn flight(report: &mut Report, setup: &Setup, scene: &Arc<Scene>, blended: &Prep
         ),
         &["caster", "mean", "greatest"],
     );
+    let mut shown = None;
     for (label, caster) in [
         ("levels, blended", "multiresolution?blend=on"),
         ("levels, not blended", "multiresolution?blend=off"),
         ("one level", "coherent"),
     ] {
-        let images = flown(&prepared(pool, scene, caster));
-        table.row(match images {
+        let images = flown(&prepared(pool, scene, caster)?);
+        table.row(match &images {
             Ok(images) => {
                 let changes: Vec<_> = images
                     .windows(2)
@@ -236,16 +237,16 @@ fn flight(report: &mut Report, setup: &Setup, scene: &Arc<Scene>, blended: &Prep
                     Cell::Number(greatest, 3),
                 ]
             }
-            Err(error) => [label.into(), error.to_string().into(), Cell::Empty],
+            Err(error) => [label.into(), Cell::Refused(error.to_string()), Cell::Empty],
         });
+        shown = shown.or(images.ok());
     }
     report.table(table);
-    if let Ok(images) = flown(blended) {
-        let some: Vec<_> = images.into_iter().step_by(FLIGHT / 4).collect();
-        let caption = format!("The flight, each {}th frame.", FLIGHT / 4);
-        let strip = strip(&some).map(|strip| Picture::new("flight", caption, strip));
-        report.figure(1, strip.into_iter().collect());
-    }
+    let some: Vec<_> = shown.into_iter().flatten().step_by(FLIGHT / 4).collect();
+    let caption = format!("The flight, each {}th frame.", FLIGHT / 4);
+    let strip = strip(&some).map(|strip| Picture::new("flight", caption, strip));
+    report.figure(1, strip.into_iter().collect());
+    Ok(())
 }
 
 /// The mean difference of two images' colour channels.

@@ -1,7 +1,7 @@
 //! Guedes, Gattass and Carvalho (1997): casters for inclined view planes (rows G3, G5).
 
 use super::report::{Cell, Picture, Report, Table};
-use super::trial::{Attempt, Outcome, Prepared, Trial, cell, outcomes, prepared, ratio};
+use super::trial::{Attempt, Outcome, Prepared, Trial, all_prepared, cell, outcomes, ratio};
 use super::{Setup, blocks, opened};
 use anyhow::Result;
 use sandtable_cast::{CastPool, Difference, Scene, standpoints};
@@ -60,18 +60,17 @@ struct Subject {
 /// Measures and draws.
 pub(super) fn report(setup: &Setup) -> Result<Report> {
     let (name, terrain) = opened(&TerrainSource::Jacksboro)?;
-    let subject = |scene: Arc<Scene>, file, label| Subject {
-        casters: DRAWN
-            .iter()
-            .map(|(caster, ..)| prepared(&setup.many, &scene, caster))
-            .collect(),
-        scene,
-        file,
-        label,
+    let subject = |scene: Arc<Scene>, file, label| -> Result<Subject> {
+        Ok(Subject {
+            casters: all_prepared(&setup.many, &scene, DRAWN.map(|(caster, ..)| caster))?,
+            scene,
+            file,
+            label,
+        })
     };
     let subjects = [
-        subject(Arc::clone(&terrain), "terrain", "terrain"),
-        subject(blocks::scene()?, "blocks", "blocks"),
+        subject(Arc::clone(&terrain), "terrain", "terrain")?,
+        subject(blocks::scene()?, "blocks", "blocks")?,
     ];
     let mut report = Report::new("Inclined view planes, 1997", CITATION);
     report.paragraph(format!(
@@ -118,7 +117,7 @@ fn times(setup: &Setup, scene: &Arc<Scene>) -> Result<Table> {
     let inclination = INCLINATIONS[0].to_radians();
     let inclined = standpoints::inclined(&scene.ground, inclination, SIZE);
     let upright = upright(scene, &inclined);
-    let casters = TIMED.map(|(caster, ..)| prepared(&setup.one, scene, caster));
+    let casters = all_prepared(&setup.one, scene, TIMED.map(|(caster, ..)| caster))?;
     let trials: Vec<_> = casters
         .iter()
         .enumerate()
@@ -190,7 +189,7 @@ fn compared(
         let image = match Trial::new(prepared, pool, view).images() {
             Ok(mut images) => images.swap_remove(0),
             Err(error) => {
-                errors.row(row(error.to_string().into(), Cell::Empty));
+                errors.row(row(Cell::Refused(error.to_string()), Cell::Empty));
                 continue;
             }
         };

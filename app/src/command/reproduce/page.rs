@@ -15,6 +15,7 @@ h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .4rem; }
 h2 { font-size: 1.2rem; margin: 2.4rem 0 .6rem; }
 p { max-width: 46rem; }
 .citation { color: var(--soft); margin-top: 0; }
+.note { color: var(--soft); font-size: .9rem; margin: .3rem 0; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--soft); padding-bottom: .35rem; }
@@ -41,8 +42,8 @@ pub(super) fn html(report: &Report) -> String {
     let title = escaped(&report.title);
     let citation = escaped(report.citation);
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
          <p class=\"citation\">{citation}</p>\n{body}</body>\n</html>\n"
     )
@@ -67,10 +68,19 @@ fn table_html(table: &Table) -> String {
     };
     line("th", &table.columns);
     for row in &table.rows {
-        let cells: Vec<_> = row.iter().map(shown).collect();
+        let cells: Vec<_> = row.iter().map(|cell| shown(table, cell)).collect();
         line("td", &cells);
     }
-    text + "</table></div>\n"
+    text += "</table></div>\n";
+    for (place, reason) in table.reasons().iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "<p class=\"note\">({}) {}</p>",
+            place + 1,
+            escaped(reason)
+        );
+    }
+    text
 }
 
 fn figure_html(across: usize, pictures: &[Picture]) -> String {
@@ -81,7 +91,7 @@ fn figure_html(across: usize, pictures: &[Picture]) -> String {
         let (width, height) = picture.image.dimensions();
         let _ = writeln!(
             text,
-            "<figure><img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"{caption}\">\
+            "<figure><img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"{caption}\"/>\
              <figcaption>{caption}</figcaption></figure>",
             escaped(&picture.file)
         );

@@ -46,6 +46,8 @@ pub(super) enum Cell {
     Number(f64, usize),
     /// Nothing: the paper, or we, have no such number.
     Empty,
+    /// Why there is no number; told under the table.
+    Refused(String),
 }
 
 impl Cell {
@@ -81,6 +83,19 @@ impl Table {
             columns: columns.iter().map(|&column| column.to_owned()).collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// Why numbers are missing, each reason once, in the order of the rows.
+    pub(super) fn reasons(&self) -> Vec<&str> {
+        let mut reasons = Vec::new();
+        for cell in self.rows.iter().flatten() {
+            if let Cell::Refused(reason) = cell
+                && !reasons.contains(&reason.as_str())
+            {
+                reasons.push(reason);
+            }
+        }
+        reasons
     }
 
     /// Adds a row.

@@ -4,7 +4,7 @@
 use super::Setup;
 use super::picture::{colours, slice_depth};
 use super::report::{Cell, Picture, Report, Table};
-use super::trial::{Prepared, Trial, prepared};
+use super::trial::{Prepared, Trial, all_prepared};
 use super::upload::Upload;
 use crate::command::bench::measure::{Times, Work, take_turns};
 use anyhow::Result;
@@ -30,8 +30,8 @@ type Steps = Vec<Result<Times, String>>;
 /// Measures and draws.
 pub(super) fn report(setup: &Setup) -> Result<Report> {
     let (name, scene) = setup.ridges(512)?;
-    let casters = ["floating-horizon?depth=on", "floating-horizon?depth=off"]
-        .map(|caster| prepared(&setup.one, &scene, caster));
+    let casters = ["floating-horizon?depth=on", "floating-horizon?depth=off"];
+    let casters = all_prepared(&setup.one, &scene, casters)?;
     let gpu = Gpu::offscreen();
     let mut columns = Vec::new();
     for size in SIZES {
@@ -60,14 +60,13 @@ pub(super) fn report(setup: &Setup) -> Result<Report> {
 fn steps(
     setup: &Setup,
     scene: &Scene,
-    casters: &[Prepared; 2],
+    casters: &[Prepared],
     gpu: Result<&Gpu, &GpuError>,
     size: [u32; 2],
 ) -> Result<Steps> {
     let view = standpoints::ahead(&scene.ground, size);
-    let mut runs = casters
-        .each_ref()
-        .map(|prepared| Trial::new(prepared, &setup.one, view).run());
+    let run = |prepared| Trial::new(prepared, &setup.one, view).run();
+    let mut runs: Vec<_> = casters.iter().map(run).collect();
     // What is uploaded does not matter: any image of this size will do.
     let mut image = Image::default();
     image.reset(view);
@@ -139,7 +138,7 @@ fn table(columns: &[([u32; 2], Steps)]) -> Table {
                     Cell::quoted(unit.as_ref().ok().map(|it| times.median() / it.median()), 2),
                     Cell::Number(pixels / times.median() / 1e3, 1),
                 ],
-                (Err(fault), _) => [fault.clone().into(), Cell::Empty, Cell::Empty],
+                (Err(fault), _) => [Cell::Refused(fault.clone()), Cell::Empty, Cell::Empty],
             });
         }
         table.row(cells);

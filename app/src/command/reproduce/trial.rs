@@ -7,16 +7,30 @@ use sandtable_cast::{CastError, CastPool, Image, PreparedScene, Scene, Scheme, c
 use sandtable_view::View;
 use std::sync::Arc;
 
-/// A caster with a prepared scene, or why there is none.
-pub(super) type Prepared = Result<Arc<dyn PreparedScene>, CastError>;
+/// A scene as a caster has prepared it.
+pub(super) type Prepared = Arc<dyn PreparedScene>;
 
 /// What a trial gives, or why it gives nothing.
 pub(super) type Attempt = Result<Outcome, CastError>;
 
 /// The caster that `text` asks for, with `scene` prepared.
-pub(super) fn prepared(pool: &CastPool, scene: &Arc<Scene>, text: &str) -> Prepared {
+///
+/// # Errors
+/// Where there is no such caster or option, or it does not suit the scene. Only views are refused
+/// in a table: they belong to what is measured.
+pub(super) fn prepared(pool: &CastPool, scene: &Arc<Scene>, text: &str) -> Result<Prepared> {
     let caster = caster_by_name(text)?;
-    pool.run(|| caster.prepare(Arc::clone(scene)))
+    Ok(pool.run(|| caster.prepare(Arc::clone(scene)))?)
+}
+
+/// [`prepared`] for several casters.
+pub(super) fn all_prepared<'a>(
+    pool: &CastPool,
+    scene: &Arc<Scene>,
+    texts: impl IntoIterator<Item = &'a str>,
+) -> Result<Vec<Prepared>> {
+    let prepared = |text| prepared(pool, scene, text);
+    texts.into_iter().map(prepared).collect()
 }
 
 /// One cast to be timed.
@@ -41,8 +55,7 @@ impl<'a> Trial<'a> {
 
     /// The cast as something that can be repeated. It has been done once then.
     pub(super) fn run(&self) -> Result<Run<'a>, CastError> {
-        let prepared = self.prepared.as_ref().map_err(Clone::clone)?;
-        Run::new(self.pool, &**prepared, self.scheme, self.views.clone())
+        Run::new(self.pool, &**self.prepared, self.scheme, self.views.clone())
     }
 
     /// The images, untimed.
@@ -104,7 +117,7 @@ pub(super) fn outcomes(frames: usize, trials: &[Trial<'_>]) -> Result<Vec<Attemp
 pub(super) fn cell(attempt: &Attempt, digits: usize, number: impl Fn(&Outcome) -> f64) -> Cell {
     match attempt {
         Ok(outcome) => Cell::Number(number(outcome), digits),
-        Err(error) => Cell::Text(error.to_string()),
+        Err(error) => Cell::Refused(error.to_string()),
     }
 }
 

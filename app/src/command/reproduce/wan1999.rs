@@ -3,7 +3,9 @@
 use super::Setup;
 use super::picture::{colours, enlarged};
 use super::report::{Cell, Picture, Report, Table};
-use super::trial::{Attempt, Prepared, Trial, cell, outcomes, prepared, ratio};
+use super::trial::{
+    Attempt, Outcome, Prepared, Trial, all_prepared, cell, outcomes, prepared, ratio,
+};
 use anyhow::Result;
 use sandtable_cast::{CastPool, Difference, Image, Scene, Scheme, standpoints};
 use std::sync::Arc;
@@ -37,7 +39,7 @@ const CROP: [u32; 4] = [190, 290, 120, 90];
 pub(super) fn report(setup: &Setup) -> Result<Report> {
     let (name, scene) = setup.ridges(512)?;
     let view = standpoints::wan(&scene.ground, 0.0);
-    let casters = CASTERS.map(|(caster, ..)| prepared(&setup.many, &scene, caster));
+    let casters = all_prepared(&setup.many, &scene, CASTERS.map(|(caster, ..)| caster))?;
     let pools = setup.pools();
     let trials: Vec<_> = pools
         .iter()
@@ -66,7 +68,7 @@ pub(super) fn report(setup: &Setup) -> Result<Report> {
     report.table(approximate(&scene, one));
     report.figure(2, stills(one));
     report.heading("Roll");
-    let roll_lines = prepared(&setup.many, &scene, "roll-lines");
+    let roll_lines = prepared(&setup.many, &scene, "roll-lines")?;
     roll(&mut report, setup, &scene, &roll_lines, &casters[1])?;
     Ok(report)
 }
@@ -90,11 +92,11 @@ fn coherence(one: &[Attempt]) -> Table {
             (*label).into(),
             Cell::Number(*seconds, 2),
             Cell::Number(seconds / CASTERS[1].2, 2),
-            cell(attempt, 1, super::trial::Outcome::ms),
+            cell(attempt, 1, Outcome::ms),
             ratio(attempt, &one[1]),
             cell(attempt, 1, |it| it.times.at(0.05)),
             cell(attempt, 1, |it| it.times.at(0.95)),
-            cell(attempt, 2, super::trial::Outcome::mpix_per_s),
+            cell(attempt, 2, Outcome::mpix_per_s),
         ]);
     }
     table
@@ -137,7 +139,7 @@ fn workers(pools: &[&CastPool], one: &[Attempt], many: &[Attempt]) -> Table {
         for place in [1, 2] {
             match ours(count) {
                 Some(attempts) => {
-                    cells.push(cell(&attempts[place], 1, super::trial::Outcome::ms));
+                    cells.push(cell(&attempts[place], 1, Outcome::ms));
                     cells.push(ratio(&one[place], &attempts[place]));
                 }
                 None => cells.extend([Cell::Empty, Cell::Empty]),
@@ -272,10 +274,10 @@ fn roll(
             Cell::Number(*angle, 0),
             Cell::quoted(paper(*angle), 2),
             Cell::quoted(paper(*angle).map(|it| it / 0.92), 2),
-            cell(on_lines, 1, super::trial::Outcome::ms),
+            cell(on_lines, 1, Outcome::ms),
             ratio(on_lines, &lines[0]),
-            cell(on_lines, 2, super::trial::Outcome::mpix_per_s),
-            cell(on_columns, 1, super::trial::Outcome::ms),
+            cell(on_lines, 2, Outcome::mpix_per_s),
+            cell(on_columns, 1, Outcome::ms),
             ratio(on_columns, &columns[0]),
         ]);
     }
