@@ -24,7 +24,7 @@ fn reproduced(folder: &Folder, paper: &str) -> (Value, String) {
         let first = colours.get_pixel(0, 0);
         assert!(colours.pixels().any(|pixel| pixel != first), "{link}");
     }
-    let listed: Vec<_> = json["images"].as_array().unwrap().iter().collect();
+    let listed: Vec<_> = json["images"].as_array().expect("a list").iter().collect();
     assert_eq!(listed, links.iter().collect::<Vec<_>>());
     (json, xml_text(&page))
 }

@@ -7,7 +7,7 @@ use super::trial::{
     Attempt, Outcome, Prepared, Trial, all_prepared, cell, outcomes, prepared, ratio,
 };
 use anyhow::Result;
-use sandtable_cast::{CastPool, Difference, Image, Scene, Scheme, standpoints};
+use sandtable_cast::{CastPool, Difference, Scene, Scheme, standpoints};
 use std::sync::Arc;
 
 const CITATION: &str = "M. Wan, H. Qu, A. Kaufman: Virtual Flythrough over a Voxel-Based Terrain. \
@@ -174,7 +174,10 @@ fn approximate(scene: &Scene, one: &[Attempt]) -> Table {
     ]);
     table.row([
         "rays stop earlier by, mean in voxels".into(),
-        Cell::quoted(early_stop(approximate, accurate, cell_length), 2),
+        Cell::quoted(
+            early_stop(&approximate.depth, &accurate.depth, cell_length),
+            2,
+        ),
     ]);
     table.row([
         "pixels more than a voxel apart in depth, %".into(),
@@ -186,10 +189,10 @@ fn approximate(scene: &Scene, one: &[Attempt]) -> Table {
     table
 }
 
-/// By how many voxels rays stop earlier in `image` than in `exact` on average, over the pixels that
+/// By how many voxels rays stop earlier at `depth` than at `exact` on average, over the pixels that
 /// see ground in both.
-fn early_stop(image: &Image, exact: &Image, cell_length: f64) -> Option<f64> {
-    let pairs = image.depth.iter().zip(&exact.depth);
+fn early_stop(depth: &[f32], exact: &[f32], cell_length: f64) -> Option<f64> {
+    let pairs = depth.iter().zip(exact);
     let stops: Vec<_> = pairs
         .map(|(found, wanted)| f64::from(wanted - found) / cell_length)
         .filter(|stop| stop.is_finite())
@@ -317,14 +320,9 @@ mod tests {
 
     #[test]
     fn an_early_stop_is_the_mean_over_ground_in_cells() {
-        let image = |depth: &[f32]| {
-            let mut image = Image::default();
-            image.depth = depth.to_vec();
-            image
-        };
-        let exact = image(&[100.0, 50.0, f32::INFINITY, 80.0]);
-        let found = image(&[90.0, 50.0, f32::INFINITY, f32::INFINITY]);
+        let exact = [100.0, 50.0, f32::INFINITY, 80.0];
+        let found = [90.0, 50.0, f32::INFINITY, f32::INFINITY];
         assert_eq!(early_stop(&found, &exact, 10.0), Some(0.5));
-        assert_eq!(early_stop(&image(&[]), &image(&[]), 10.0), None);
+        assert_eq!(early_stop(&[], &[], 10.0), None);
     }
 }
