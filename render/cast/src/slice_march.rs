@@ -117,6 +117,7 @@ impl<'a, 'p, P: SlicePosts<'p>, T: Tally> March<'a, P, T> {
         let eye_is_outside = frame.eye.clamp(DVec2::ZERO, frame.last) != frame.eye;
         let mut next = sweep.between(lowest.enter, 0.0, frame.step).start;
         let mut entered = None;
+        let mut floor = frame.base;
         let mut painted = None;
         for row in &sweep.rows {
             // The first slice at which the ray is over the terrain. The ray of the row before may
@@ -144,17 +145,26 @@ impl<'a, 'p, P: SlicePosts<'p>, T: Tally> March<'a, P, T> {
                     break;
                 }
                 let z = frame.eye_height + row.slope * y;
-                // Not below the base plane, unless the ray was there a slice ago.
+                // A ray that fell deep since the slice before met the ground on its way: it is
+                // looked up no lower than the ground was found last.
                 let before = z - row.slope * frame.step.min(y);
-                let level = z.max(before.min(frame.base));
-                let sideways = y * sweep.cos + (frame.eye_height - level) * frame.window.sin;
-                let place = frame.eye + y * ahead + sideways * side;
-                if level == z && !self.is_inside(place) {
-                    break;
+                let level = z.max(before.min(floor));
+                let place_at = |level: f64| {
+                    let sideways = y * sweep.cos + (frame.eye_height - level) * frame.window.sin;
+                    frame.eye + y * ahead + sideways * side
+                };
+                let mut place = place_at(level);
+                if !self.is_inside(place) {
+                    // Before the border, or after it.
+                    place = place_at(z);
+                    if !self.is_inside(place) {
+                        break;
+                    }
                 }
                 let place = self.posts.place(place.x, place.y);
                 self.tally.sample();
                 let height = self.posts.height(place, self.tally);
+                floor = height;
                 if z <= height {
                     hit = Some((place, y, height));
                     break;
