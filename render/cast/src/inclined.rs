@@ -29,7 +29,9 @@ use std::sync::Arc;
 ///   ground): exact there; higher ground is shifted sideways as far as the plane leans over. All
 ///   vertical lines are seen as lines along pixel columns.
 /// - `inclined-corrected` looks at the ray's height, anew for every painted pixel: no error besides
-///   those above.
+///   those above. A steep ray falls far from slice to slice, so it is looked up no lower than the
+///   ground was found last (in the paper: than the base plane), which keeps its place near where
+///   it met the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Inclined {
     name: &'static str,

@@ -27,6 +27,10 @@ fn clip(origin: DVec2, direction: DVec2, last: DVec2) -> [f64; 2] {
     [enter, leave]
 }
 
+/// How often a column's first pixel is looked up at one slice, where nothing is known yet of the
+/// ground's height, until place and height agree.
+const SETTLING_LOOKS: u32 = 8;
+
 /// One pixel column's march over one sweep's slices.
 pub(crate) struct March<'a, P, T> {
     frame: &'a SliceFrame<'a>,
@@ -116,7 +120,12 @@ impl<'a, 'p, P: SlicePosts<'p>, T: Tally> March<'a, P, T> {
         let (side, ahead) = (self.side, self.ahead);
         let eye_is_outside = frame.eye.clamp(DVec2::ZERO, frame.last) != frame.eye;
         let mut next = sweep.between(lowest.enter, 0.0, frame.step).start;
+        let place_at = |y: f64, level: f64| {
+            let sideways = y * sweep.cos + (frame.eye_height - level) * frame.window.sin;
+            frame.eye + y * ahead + sideways * side
+        };
         let mut entered = None;
+        let mut floor = frame.base;
         let mut painted = None;
         for row in &sweep.rows {
             // The first slice at which the ray is over the terrain. The ray of the row before may
@@ -137,24 +146,37 @@ impl<'a, 'p, P: SlicePosts<'p>, T: Tally> March<'a, P, T> {
             let mut hit = None;
             let ahead_of_seen = next.max(enter)..sweep.slices;
             next = ahead_of_seen.end;
-            for n in unseen.chain(ahead_of_seen) {
+            'slices: for n in unseen.chain(ahead_of_seen) {
                 next = n;
                 let y = sweep.at(n, frame.step);
                 if y > row.reach {
                     break;
                 }
                 let z = frame.eye_height + row.slope * y;
-                // Not below the base plane, unless the ray was there a slice ago.
                 let before = z - row.slope * frame.step.min(y);
-                let level = z.max(before.min(frame.base));
-                let sideways = y * sweep.cos + (frame.eye_height - level) * frame.window.sin;
-                let place = frame.eye + y * ahead + sideways * side;
-                if level == z && !self.is_inside(place) {
-                    break;
-                }
-                let place = self.posts.place(place.x, place.y);
-                self.tally.sample();
-                let height = self.posts.height(place, self.tally);
+                let mut looks = if painted.is_none() { SETTLING_LOOKS } else { 1 };
+                let (place, height) = loop {
+                    // A ray that fell deep since the slice before met the ground on its way: it
+                    // is looked up no lower than the ground was found last.
+                    let level = z.max(before.min(floor));
+                    let mut place = place_at(y, level);
+                    if !self.is_inside(place) {
+                        // Before the border, or after it.
+                        place = place_at(y, z);
+                        if !self.is_inside(place) {
+                            break 'slices;
+                        }
+                    }
+                    let place = self.posts.place(place.x, place.y);
+                    self.tally.sample();
+                    let height = self.posts.height(place, self.tally);
+                    looks -= 1;
+                    if looks == 0 || height == floor {
+                        break (place, height);
+                    }
+                    floor = height;
+                };
+                floor = height;
                 if z <= height {
                     hit = Some((place, y, height));
                     break;
