@@ -7,11 +7,14 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Pixels from the left edge to the panels, for the casters' names.
-const NAMES: i32 = 250;
+const NAMES: i32 = 300;
 /// Pixels from the right edge to the panels.
 const MARGIN: i32 = 40;
-/// Pixels above the first panel: title, subtitle and legend.
-const HEAD: u32 = 96;
+/// Pixels above the legend: title and subtitle.
+const HEAD: u32 = 68;
+/// Pixels of a row of the legend, and how many marks it explains.
+const LEGEND: u32 = 22;
+const LEGEND_ACROSS: usize = 4;
 /// Pixels of a panel above and below its rows: the view's name and the axis.
 const PANEL: u32 = 62;
 /// Pixels between marks of one caster.
@@ -52,10 +55,11 @@ fn draw(text: &mut String, terrain: &str, threads: usize, lines: &[Figures]) -> 
     let axis = Axis::over(lines);
     let row = MARK * series.len() as u32 + GAP;
     let panel = row * casters.len() as u32 + PANEL;
-    let size = (WIDTH, HEAD + panel * views.len() as u32 + 8);
+    let head = HEAD + LEGEND * series.len().div_ceil(LEGEND_ACROSS) as u32 + 8;
+    let size = (WIDTH, head + panel * views.len() as u32 + 8);
     let root = SVGBackend::with_string(text, size).into_drawing_area();
     root.fill(&WHITE)?;
-    let (head, rest) = root.split_vertically(HEAD);
+    let (head, rest) = root.split_vertically(head);
     draw_head(&head, terrain, threads, &axis, &series)?;
     for (place, view) in views.iter().enumerate() {
         let top = (panel * place as u32) as i32;
@@ -95,14 +99,15 @@ fn draw_head(
         &font(13).color(&GREY),
         (16, 44),
     )?;
-    let mut x = 22;
     for (place, (threads, scheme)) in series.iter().enumerate() {
+        let (column, row) = (place % LEGEND_ACROSS, place / LEGEND_ACROSS);
+        let x = 22 + (WIDTH as usize / LEGEND_ACROSS * column) as i32;
+        let y = HEAD as i32 + LEGEND as i32 * row as i32;
         let colour = COLOURS[place % COLOURS.len()];
         let plural = if *threads == 1 { "" } else { "s" };
         let label = format!("{threads} thread{plural}, {scheme}");
-        area.draw(&Circle::new((x, 76), 4, colour.filled()))?;
-        area.draw_text(&label, &font(13).color(&INK), (x + 10, 69))?;
-        x += 30 + 7 * label.chars().count() as i32;
+        area.draw(&Circle::new((x, y + 4), 4, colour.filled()))?;
+        area.draw_text(&label, &font(13).color(&INK), (x + 12, y))?;
     }
     Ok(())
 }
@@ -143,10 +148,10 @@ fn draw_panel(
         let across = vec![(axis.range[0], top), (axis.range[1], top)];
         chart.draw_series([PathElement::new(across, PALE)])?;
         let (left, middle) = pixel(axis.range[0], top + 0.5 * group);
-        let style = font(13)
+        let style = font(12)
             .color(&INK)
             .pos(Pos::new(HPos::Right, VPos::Center));
-        area.draw_text(&fitted(caster), &style, (left - 10, middle))?;
+        area.draw_text(&fitted(caster, 44), &style, (left - 10, middle))?;
         for (place, (threads, scheme)) in series.iter().enumerate() {
             let is_it = |line: &&&Figures| {
                 line.caster == *caster && line.threads == *threads && line.scheme == *scheme
@@ -168,7 +173,11 @@ fn draw_panel(
                     .color(&GREY)
                     .pos(Pos::new(HPos::Left, VPos::Center));
                 let reason = line.refused.as_deref().unwrap_or("not timed");
-                area.draw_text(&format!("refused: {reason}"), &style, (left + 8, middle))?;
+                area.draw_text(
+                    &fitted(&format!("refused: {reason}"), 96),
+                    &style,
+                    (left + 8, middle),
+                )?;
             }
         }
     }
@@ -255,13 +264,12 @@ impl Axis {
     }
 }
 
-/// A name that fits beside the panels.
-fn fitted(name: &str) -> String {
-    const MOST: usize = 34;
-    if name.chars().count() <= MOST {
-        return name.to_owned();
+/// Text of at most `most` letters, cut where there are more.
+fn fitted(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
     }
-    name.chars().take(MOST - 1).chain(['…']).collect()
+    text.chars().take(most - 1).chain(['…']).collect()
 }
 
 /// The values that lines have, each once, in the order in which they first come.
