@@ -59,12 +59,8 @@ pub static CASTERS: [CasterKind; 11] = [
     CasterKind {
         name: "conventional",
         summary: "volume's samples, each ray from the eye: the standard without coherence",
-        options: &VOXEL_OPTIONS,
-        build: |options| {
-            Ok(Arc::new(Conventional(
-                VoxelOptions::FILTERED.read(options)?,
-            )))
-        },
+        options: &Conventional::OPTIONS,
+        build: |options| Ok(Arc::new(Conventional::read(options)?)),
     },
     CasterKind {
         name: "roll-lines",

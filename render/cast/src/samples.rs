@@ -4,6 +4,7 @@ use crate::tally::Tally;
 use glam::DVec3;
 
 /// A ray as equidistant samples in voxel space: sample n lies at `origin + n · step`.
+#[derive(Clone, Copy, Default)]
 pub(crate) struct SampledRay {
     origin: DVec3,
     step: DVec3,
@@ -101,7 +102,7 @@ impl SampledRay {
         Some(n)
     }
 
-    #[inline]
+    #[inline(always)]
     fn forward<S: Solid, T: Tally>(&self, from: u32, solid: &S, tally: &mut T) -> Option<u32> {
         let mut n = from;
         while n <= self.last {

@@ -1,7 +1,7 @@
 //! Colours of what rays end on.
 
 use crate::canvas::Canvas;
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 use sandtable_terrain::{Ground, TiledRaster};
 use sandtable_view::Ray;
 
@@ -29,12 +29,13 @@ pub(crate) fn shade(
 pub(crate) fn bilinear_colour(columns: &TiledRaster<[u8; 4]>, x: f64, y: f64) -> [u8; 3] {
     let ([col, row], [u, v]) = columns.locate(x, y);
     let (u, v) = (u as f32, v as f32);
-    let [sw, se, nw, ne] = columns.cell(col, row);
-    std::array::from_fn(|k| {
-        let [sw, se, nw, ne] = [sw[k], se[k], nw[k], ne[k]].map(f32::from);
-        let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
-        (south + (north - south) * v + 0.5) as u8
-    })
+    let texels = columns.cell(col, row);
+    // Four channels at a time, though the fourth is not asked for.
+    let [sw, se, nw, ne] = texels.map(|texel| Vec4::from_array(texel.map(f32::from)));
+    let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
+    let colour = south + (north - south) * v + 0.5;
+    let [r, g, b, _] = colour.to_array().map(|channel| channel as u8);
+    [r, g, b]
 }
 
 /// The sky's colour along `direction`: pale at the horizon and bluer above. Below the horizon, where

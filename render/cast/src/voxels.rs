@@ -9,7 +9,7 @@ use crate::shade::{bilinear_colour, sky};
 use crate::tally::Tally;
 use crate::units::UnitCaster;
 use crate::{CastError, PreparedScene, Scene};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_terrain::{
     BoundaryArray, DensityFilter, TileIndex, TiledRaster, VoxelShape, VoxelVolume, pre_texture,
     pre_texture_updated,
@@ -93,8 +93,10 @@ pub(crate) const VOXEL_OPTIONS: [CasterOption; 4] = [
 pub(crate) enum Search {
     /// Each from where the ray before it in its line ended.
     Coherent,
-    /// Each from the eye.
+    /// Each from the eye, or where that is not over the terrain, as `FromBounds`.
     FromEye,
+    /// Each from where it enters the volume's bounds.
+    FromBounds,
 }
 
 /// A caster of voxels, put together from its parts.
@@ -173,6 +175,8 @@ struct Frame<'a> {
     grid: GridFrame<'a>,
     rays: Rays,
     lines: PixelLines,
+    /// Whether the eye stands over the rectangle of posts, at any height.
+    eye_is_over_terrain: bool,
 }
 
 impl UnitCaster for VoxelScene {
@@ -216,7 +220,10 @@ impl UnitCaster for VoxelScene {
         } else {
             PixelLines::columns(view)
         };
+        let extent = self.scene.ground.grid().extent();
+        let eye = view.eye.truncate();
         Ok(Frame {
+            eye_is_over_terrain: eye.clamp(DVec2::ZERO, extent) == eye,
             scene: self,
             grid: GridFrame::up_to(&self.scene.ground, self.shape.z(self.shape.levels as i32)),
             rays: view.rays(),
@@ -252,7 +259,27 @@ impl UnitCaster for VoxelScene {
     }
 }
 
+/// Rays set up ahead of their search.
+const BLOCK: usize = 32;
+
+/// A ray on its way through [`cast_line`].
+#[derive(Clone, Copy, Default)]
+struct LineRay {
+    pixel: [u32; 2],
+    /// Whether coherence begins anew with it.
+    afresh: bool,
+    /// Towards the pixel, in metres.
+    direction: DVec3,
+    /// `None` where the ray passes by the terrain.
+    samples: Option<SampledRay>,
+    hit: Option<u32>,
+}
+
 /// Casts the pixels of one line.
+///
+/// A search ends where the processor has guessed that it goes on, and all that it has begun to do
+/// beyond is lost. So the rays of a block are set up before the first is searched for, and shaded
+/// after the last.
 #[inline]
 fn cast_line<S: Solid, T: Tally>(
     frame: &Frame<'_>,
@@ -261,44 +288,95 @@ fn cast_line<S: Solid, T: Tally>(
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
-    let VoxelScene { caster, shape, .. } = frame.scene;
     // The distance at which the ray before ended: at its hit, or where it left the terrain.
     let mut reach = 0.0;
-    frame.lines.walk(line, |[i, j], afresh| {
-        tally.ray();
-        let ray = frame.rays.ray(i, j);
-        let Some(clipped) = frame.grid.clip(&ray) else {
-            canvas.set([i, j], sky(ray.direction), f32::INFINITY);
-            return;
-        };
-        let (mut origin, mut direction) = (clipped.origin, clipped.direction);
-        origin.z = (origin.z - shape.base) / shape.height;
-        direction.z /= shape.height;
-        let range = [clipped.enter, clipped.leave];
-        let interval = caster.options.interval;
-        let length = ray.direction.length();
-        let samples = SampledRay::new(origin, direction, length, interval, range);
-        let hit = match caster.search {
-            Search::Coherent if !afresh => samples.hit_from(reach, solid, tally),
-            _ => samples.first_hit(solid, tally),
-        };
-        if let Some(n) = hit {
-            reach = samples.distance(n);
-            let point = samples.point(n);
-            let colour = bilinear_colour(&frame.scene.colours, point.x, point.y);
-            canvas.set([i, j], colour, reach as f32);
-        } else {
-            reach = samples.end();
-            canvas.set([i, j], sky(ray.direction), f32::INFINITY);
+    let mut block = [LineRay::default(); BLOCK];
+    let mut count = 0;
+    let mut cast = |block: &mut [LineRay]| {
+        for ray in &mut *block {
+            tally.ray();
+            frame.search(ray, &mut reach, solid, tally);
+        }
+        for ray in block {
+            frame.shade(ray, canvas);
+        }
+    };
+    frame.lines.walk(line, |pixel, afresh| {
+        block[count] = frame.set_up(pixel, afresh);
+        count += 1;
+        if count == BLOCK {
+            cast(&mut block);
+            count = 0;
         }
     });
+    cast(&mut block[..count]);
+}
+
+impl Frame<'_> {
+    #[inline(always)]
+    fn set_up(&self, [i, j]: [u32; 2], afresh: bool) -> LineRay {
+        let VoxelScene { caster, shape, .. } = self.scene;
+        let ray = self.rays.ray(i, j);
+        let samples = self.grid.clip(&ray).map(|clipped| {
+            let (mut origin, mut direction) = (clipped.origin, clipped.direction);
+            origin.z = (origin.z - shape.base) / shape.height;
+            direction.z /= shape.height;
+            let enter = match caster.search {
+                Search::FromEye if self.eye_is_over_terrain => 0.0,
+                _ => clipped.enter,
+            };
+            let range = [enter, clipped.leave];
+            let interval = caster.options.interval;
+            SampledRay::new(origin, direction, ray.direction.length(), interval, range)
+        });
+        LineRay {
+            pixel: [i, j],
+            afresh,
+            direction: ray.direction,
+            samples,
+            hit: None,
+        }
+    }
+
+    #[inline(always)]
+    fn search<S: Solid, T: Tally>(
+        &self,
+        ray: &mut LineRay,
+        reach: &mut f64,
+        solid: &S,
+        tally: &mut T,
+    ) {
+        let Some(samples) = &ray.samples else {
+            return;
+        };
+        ray.hit = match self.scene.caster.search {
+            Search::Coherent if !ray.afresh => samples.hit_from(*reach, solid, tally),
+            _ => samples.first_hit(solid, tally),
+        };
+        *reach = match ray.hit {
+            Some(n) => samples.distance(n),
+            None => samples.end(),
+        };
+    }
+
+    #[inline]
+    fn shade(&self, ray: &LineRay, canvas: &Canvas<'_>) {
+        match (&ray.samples, ray.hit) {
+            (Some(samples), Some(n)) => {
+                let point = samples.point(n);
+                let colour = bilinear_colour(&self.scene.colours, point.x, point.y);
+                canvas.set(ray.pixel, colour, samples.distance(n) as f32);
+            }
+            _ => canvas.set(ray.pixel, sky(ray.direction), f32::INFINITY),
+        }
+    }
 }
 
 /// Boundary cells and what is below them are terrain (papers' row W6).
 struct BoundaryCells<'a>(&'a BoundaryArray);
 
 impl Solid for BoundaryCells<'_> {
-    #[inline]
+    #[inline(always)]
     fn contains<T: Tally>(&self, point: DVec3, _: &mut T) -> bool {
         let [col, row, level] = cell_at(self.0, point);
         let [_, highest] = self.0.span(col as u32, row as u32);
@@ -315,7 +393,7 @@ struct Densities<'a> {
 }
 
 impl Solid for Densities<'_> {
-    #[inline]
+    #[inline(always)]
     fn contains<T: Tally>(&self, point: DVec3, tally: &mut T) -> bool {
         let [col, row, level] = cell_at(self.boundary, point);
         let [lowest, highest] = self.boundary.span(col as u32, row as u32);
