@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use sandtable_cast::{Brute, CastPool, Image, PreparedScene, Scene, caster_by_name, standpoints};
 use sandtable_terrain::Ground;
-use sandtable_view::{Attitude, Camera, View};
+use sandtable_view::{Attitude, Camera, Screen, View};
 use std::sync::Arc;
 
 fn ridges(size: u32) -> Arc<Scene> {
@@ -86,6 +86,42 @@ fn hits_lie_within_a_step_behind_the_surface() {
         println!("yaw {yaw}, pitch {pitch}: median {half:.2} cells off, 99 % within {most:.2}");
         // A ray goes up to √2 cells from line to line.
         assert!(half < 0.9 && most < 1.6, "{half}, {most}");
+    }
+}
+
+#[test]
+fn a_long_run_keeps_to_its_ray() {
+    // From the edge of a cliff, over a plane that rises to the side: whoever strays sideways by a
+    // post lands a cell too early or too late.
+    let ground = Ground::from_fn(320, 301, DVec2::ONE, |col, row| {
+        if col <= 10 {
+            100.0
+        } else {
+            0.2 * row as f32
+        }
+    });
+    let scene = Scene::new(ground.expect("sound"));
+    let eye = DVec3::new(10.5, 150.0, 101.0);
+    let window = |corner: [f64; 3]| eye + DVec3::from(corner);
+    // The rows below end on the cliff, and this one's rays run some 150 cells from there.
+    let row = 1;
+    let view = View {
+        eye,
+        window: Screen {
+            lower_left: window([1.0, 0.4, -8.0]),
+            lower_right: window([1.0, -0.4, -8.0]),
+            upper_left: window([1.0, 0.4, 2.0]),
+        },
+        size: [201, 6],
+    };
+    let caster = prepared("multiresolution?rays=1&scale=0.25&blend=off", &scene);
+    let (image, exact) = (cast(&*caster, view), brute(&scene, view));
+    for i in 0..image.width() {
+        let hits = [&image, &exact].map(|image| image.point(i, row).expect("a hit") - eye);
+        let [found, wanted] = hits.map(|hit| hit.x);
+        assert!(wanted > 110.0, "column {i} ends at {wanted}");
+        let late = found - wanted;
+        assert!((-0.001..1.001).contains(&late), "column {i}: {late}");
     }
 }
 
