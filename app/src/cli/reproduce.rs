@@ -21,9 +21,10 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
 
-    /// Frames timed for each figure.
-    #[arg(long, value_name = "F", default_value_t = 5)]
-    pub(crate) frames: usize,
+    /// Frames timed for each figure; otherwise from 5, for the slowest paper, to 201, for the
+    /// quickest.
+    #[arg(long, value_name = "F")]
+    pub(crate) frames: Option<usize>,
 
     /// Posts along each side of the generated terrains; otherwise as the paper has them.
     #[arg(long, value_name = "POSTS", value_parser = clap::value_parser!(u32).range(33..=4097))]

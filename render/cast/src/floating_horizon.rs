@@ -1,14 +1,12 @@
 //! The floating horizon over slices parallel to the screen (papers' rows Z1 and Z2).
 
-use crate::canvas::Canvas;
 use crate::level_window::LevelWindow;
 use crate::options::Options;
 use crate::slice_depth::Depth;
+use crate::slice_scene::{SliceCaster, SliceScene};
 use crate::slices::{POSTS, STEP, Sampling, SliceFrame, SliceOptions};
-use crate::tally::Tally;
-use crate::units::UnitCaster;
 use crate::{CastError, Caster, CasterOption, PreparedScene, Scene};
-use sandtable_terrain::TileIndex;
+use sandtable_terrain::Ground;
 use sandtable_view::View;
 use std::sync::Arc;
 
@@ -50,33 +48,12 @@ impl FloatingHorizon {
 
 impl Caster for FloatingHorizon {
     fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
-        let caster = *self;
-        Ok(Arc::new(FloatingHorizonScene { caster, scene }))
+        Ok(SliceScene::of(*self, scene))
     }
 }
 
-/// Slices read the ground as it is.
-struct FloatingHorizonScene {
-    caster: FloatingHorizon,
-    scene: Arc<Scene>,
-}
-
-impl UnitCaster for FloatingHorizonScene {
-    type Frame<'a> = SliceFrame<'a>;
-
-    fn scene(&self) -> &Arc<Scene> {
-        &self.scene
-    }
-
-    fn updated(
-        &self,
-        scene: Arc<Scene>,
-        _changed: &[TileIndex],
-    ) -> Result<Arc<dyn PreparedScene>, CastError> {
-        self.caster.prepare(scene)
-    }
-
-    fn frame<'a>(&'a self, view: &'a View) -> Result<SliceFrame<'a>, CastError> {
+impl SliceCaster for FloatingHorizon {
+    fn frame<'a>(&self, ground: &'a Ground, view: &View) -> Result<SliceFrame<'a>, CastError> {
         let window = LevelWindow::new(NAME, view)?;
         if !window.is_upright() {
             return Err(CastError::View {
@@ -89,27 +66,12 @@ impl UnitCaster for FloatingHorizonScene {
         }
         // Columns are vertical planes here, so that the base plane's track is every height's.
         let sampling = Sampling::OnBasePlane;
-        let options = self.caster.options;
         Ok(SliceFrame::new(
-            &self.scene.ground,
+            ground,
             view,
             window,
             sampling,
-            options,
+            self.options,
         ))
-    }
-
-    /// A unit is a block of columns.
-    fn units(frame: &SliceFrame<'_>) -> usize {
-        frame.units()
-    }
-
-    fn cast_unit<T: Tally>(
-        frame: &SliceFrame<'_>,
-        unit: usize,
-        canvas: &Canvas<'_>,
-        tally: &mut T,
-    ) {
-        frame.cast_unit(unit, canvas, tally);
     }
 }

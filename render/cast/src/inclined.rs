@@ -1,14 +1,12 @@
 //! Inclined windows over terrain slices (papers' rows G1 and G2).
 
-use crate::canvas::Canvas;
 use crate::level_window::LevelWindow;
 use crate::options::Options;
 use crate::slice_depth::Depth;
+use crate::slice_scene::{SliceCaster, SliceScene};
 use crate::slices::{POSTS, STEP, Sampling, SliceFrame, SliceOptions};
-use crate::tally::Tally;
-use crate::units::UnitCaster;
 use crate::{CastError, Caster, CasterOption, PreparedScene, Scene};
-use sandtable_terrain::TileIndex;
+use sandtable_terrain::Ground;
 use sandtable_view::View;
 use std::sync::Arc;
 
@@ -110,63 +108,22 @@ impl Inclined {
 
 impl Caster for Inclined {
     fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
-        let caster = *self;
-        Ok(Arc::new(InclinedScene { caster, scene }))
+        Ok(SliceScene::of(*self, scene))
     }
 }
 
-/// Slices read the ground as it is.
-struct InclinedScene {
-    caster: Inclined,
-    scene: Arc<Scene>,
-}
-
-impl UnitCaster for InclinedScene {
-    type Frame<'a> = SliceFrame<'a>;
-
-    fn scene(&self) -> &Arc<Scene> {
-        &self.scene
-    }
-
-    fn updated(
-        &self,
-        scene: Arc<Scene>,
-        _changed: &[TileIndex],
-    ) -> Result<Arc<dyn PreparedScene>, CastError> {
-        self.caster.prepare(scene)
-    }
-
-    fn frame<'a>(&'a self, view: &'a View) -> Result<SliceFrame<'a>, CastError> {
-        let Inclined {
+impl SliceCaster for Inclined {
+    fn frame<'a>(&self, ground: &'a Ground, view: &View) -> Result<SliceFrame<'a>, CastError> {
+        let Self {
             name,
             sampling,
             options,
-        } = self.caster;
+        } = *self;
         let window = LevelWindow::new(name, view)?;
-        if let Some(reason) = self.caster.refusal(&window, view.size[1]) {
+        if let Some(reason) = self.refusal(&window, view.size[1]) {
             let caster = name;
             return Err(CastError::View { caster, reason });
         }
-        Ok(SliceFrame::new(
-            &self.scene.ground,
-            view,
-            window,
-            sampling,
-            options,
-        ))
-    }
-
-    /// A unit is a block of columns.
-    fn units(frame: &SliceFrame<'_>) -> usize {
-        frame.units()
-    }
-
-    fn cast_unit<T: Tally>(
-        frame: &SliceFrame<'_>,
-        unit: usize,
-        canvas: &Canvas<'_>,
-        tally: &mut T,
-    ) {
-        frame.cast_unit(unit, canvas, tally);
+        Ok(SliceFrame::new(ground, view, window, sampling, options))
     }
 }

@@ -40,6 +40,7 @@ mod shade;
 mod slice_depth;
 mod slice_march;
 mod slice_posts;
+mod slice_scene;
 mod slices;
 pub mod standpoints;
 mod tally;

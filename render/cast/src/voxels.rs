@@ -427,3 +427,43 @@ fn cell_at(boundary: &BoundaryArray, point: DVec3) -> [i32; 3] {
     let row = (point.y as i32).clamp(0, boundary.spans().rows() as i32 - 1);
     [col, row, (point.z + LIFT) as i32 - LIFT as i32]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tally::Work;
+    use sandtable_terrain::Ground;
+
+    #[test]
+    fn what_is_in_the_volume_is_in_its_boundary_cells_or_below() {
+        let height = |col: u32, row: u32| ((col * 37 + row * 61) % 23) as f32 * 1.7;
+        let ground = Ground::from_fn(40, 30, DVec2::ONE, height).expect("sound");
+        let shape = VoxelShape::cubic(&ground);
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24)
+        };
+        for filter in [VoxelOptions::FILTERED.filter, DensityFilter::None] {
+            let volume = VoxelVolume::new(&ground, shape, filter).expect("sound");
+            for threshold in [0, 127, 254] {
+                let boundary = &volume.boundary(threshold);
+                let densities = Densities {
+                    boundary,
+                    volume: &volume,
+                    threshold: f32::from(threshold),
+                };
+                let mut inside = 0;
+                for _ in 0..20_000 {
+                    let place = DVec3::new(39.0 * random(), 29.0 * random(), 50.0 * random());
+                    if densities.contains(place, &mut Work::default()) {
+                        inside += 1;
+                        let cells = BoundaryCells(boundary);
+                        assert!(cells.contains(place, &mut Work::default()), "{place}");
+                    }
+                }
+                assert!((500..19_500).contains(&inside), "{inside}");
+            }
+        }
+    }
+}

@@ -94,11 +94,7 @@ fn a_long_run_keeps_to_its_ray() {
     // From the edge of a cliff, over a plane that rises to the side: whoever strays sideways by a
     // post lands a cell too early or too late.
     let ground = Ground::from_fn(320, 301, DVec2::ONE, |col, row| {
-        if col <= 10 {
-            100.0
-        } else {
-            0.2 * row as f32
-        }
+        if col <= 10 { 100.0 } else { 0.2 * row as f32 }
     });
     let scene = Scene::new(ground.expect("sound"));
     let eye = DVec3::new(10.5, 150.0, 101.0);

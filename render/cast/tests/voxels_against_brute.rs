@@ -100,6 +100,20 @@ fn coherence_finds_what_each_ray_alone_finds() {
 }
 
 #[test]
+fn where_sampling_starts_in_the_air_does_not_matter() {
+    let scene = ridges();
+    for view in [
+        pitched(&scene, 30.0, [125, 100]),
+        // With the eye beside the terrain.
+        standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.9, 0.6), [100, 61]),
+    ] {
+        let [eye, volume] = ["eye", "volume"]
+            .map(|start| cast(&format!("conventional?start={start}"), &scene, view));
+        assert!(eye == volume);
+    }
+}
+
+#[test]
 fn a_boundary_cell_is_never_behind_the_surface_in_it() {
     let scene = ridges();
     let cell = scene.ground.grid().cell_length();
@@ -173,11 +187,18 @@ fn an_antialiased_volume_is_nearest_to_the_supersampled_truth() {
         let mean = squares / (3 * truth.len()) as f64;
         10.0 * (255.0f64 * 255.0 / mean).log10()
     };
-    let [volume, binary, boundary] = ["volume", "volume?filter=none", "boundary"].map(psnr);
+    let casters = [
+        "volume",
+        "volume?filter=none",
+        "boundary",
+        "inclined-corrected?posts=nearest",
+    ];
+    let [volume, binary, boundary, nearest] = casters.map(psnr);
     println!(
-        "against the truth: volume {volume:.1} dB, binary {binary:.1}, boundary {boundary:.1}"
+        "against the truth: volume {volume:.1} dB, binary {binary:.1}, boundary {boundary:.1}, \
+         nearest posts {nearest:.1}"
     );
-    assert!(volume > binary + 0.5 && volume > boundary + 2.0);
+    assert!(volume > binary + 0.5 && volume > boundary + 2.0 && volume > nearest + 2.0);
 }
 
 #[test]

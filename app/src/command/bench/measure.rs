@@ -32,7 +32,8 @@ pub(crate) type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
 /// Times `frames` repetitions (at least one) of each of `works`, after one of each that warms the
 /// caches.
 ///
-/// They take turns, one repetition each, so that what else the machine does meets all alike and
+/// They take turns, one repetition each and every other time in reverse, so that what else the
+/// machine does meets all alike, none always finds the caches as the same other one left them, and
 /// the ratios of their times stay fair.
 ///
 /// # Errors
@@ -42,12 +43,14 @@ pub(crate) fn take_turns(frames: usize, works: &mut [Work<'_>]) -> Result<Vec<Ti
         work()?;
     }
     let mut times = vec![Vec::with_capacity(frames); works.len()];
+    let mut order: Vec<_> = (0..works.len()).collect();
     for _ in 0..frames.max(1) {
-        for (work, times) in works.iter_mut().zip(&mut times) {
+        for &place in &order {
             let begin = Instant::now();
-            work()?;
-            times.push(begin.elapsed().as_secs_f64() * 1e3);
+            works[place]()?;
+            times[place].push(begin.elapsed().as_secs_f64() * 1e3);
         }
+        order.reverse();
     }
     Ok(times.into_iter().map(Times::sorted).collect())
 }
@@ -142,7 +145,7 @@ mod tests {
             })
         };
         let times = take_turns(3, &mut [work('a'), work('b')]).unwrap();
-        assert_eq!(*order.borrow(), "abababab");
+        assert_eq!(*order.borrow(), "ababbaab");
         assert_eq!(times.len(), 2);
         assert_eq!(times[0].0.len(), 3);
     }

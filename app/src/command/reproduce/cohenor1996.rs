@@ -87,8 +87,9 @@ fn pitches(
     }
     let columns: Vec<_> = columns.iter().map(String::as_str).collect();
     let mut rates = Table::new(
-        "Frames a second. One of the paper's processors only directs the others. One level is the \
-         default caster, without a pyramid.",
+        "Frames a second. One of the paper's processors only directs the others. Levels are cast \
+         with two parallel rays a pixel; one level is the default caster, one ray a pixel and \
+         without a pyramid.",
         &columns,
     );
     for ((degrees, paper), ours) in PITCHES.iter().zip(&of_pitch) {

@@ -4,9 +4,9 @@
 use super::Setup;
 use super::picture::{colours, slice_depth};
 use super::report::{Cell, Picture, Report, Table};
-use super::trial::{Prepared, Trial, all_prepared};
+use super::trial::{Attempt, Prepared, Trial, all_prepared, outcomes};
 use super::upload::Upload;
-use crate::command::bench::measure::{Times, Work, take_turns};
+use crate::command::bench::measure::{Times, take_turns};
 use anyhow::Result;
 use sandtable_cast::{Image, Scene, standpoints};
 use sandtable_stage::{Gpu, GpuError};
@@ -56,7 +56,7 @@ pub(super) fn report(setup: &Setup) -> Result<Report> {
     Ok(report)
 }
 
-/// Times casting with and without depth, and both uploads, in turns.
+/// Times casting with and without depth in turns, and then both uploads.
 fn steps(
     setup: &Setup,
     scene: &Scene,
@@ -65,42 +65,29 @@ fn steps(
     size: [u32; 2],
 ) -> Result<Steps> {
     let view = standpoints::ahead(&scene.ground, size);
-    let run = |prepared| Trial::new(prepared, &setup.one, view).run();
-    let mut runs: Vec<_> = casters.iter().map(run).collect();
+    let trials: Vec<_> = casters
+        .iter()
+        .map(|prepared| Trial::new(prepared, &setup.one, view))
+        .collect();
+    // Apart from the uploads, which would leave the caches to whichever comes next.
+    let casts = outcomes(setup.frames, &trials)?.into_iter();
+    let times = |attempt: Attempt| attempt.map(|it| it.times).map_err(|it| it.to_string());
+    let mut steps: Steps = casts.map(times).collect();
     // What is uploaded does not matter: any image of this size will do.
     let mut image = Image::default();
     image.reset(view);
-    let uploads = gpu.map(|gpu| {
-        [
-            Upload::of_colour(gpu, &image),
-            Upload::of_depth(gpu, &image),
-        ]
-    });
-    let mut works: Vec<Work<'_>> = Vec::new();
-    // Why a step is not among the works.
-    let mut faults = Vec::new();
-    for run in &mut runs {
-        match run {
-            Ok(run) => {
-                works.push(run.as_work());
-                faults.push(None);
-            }
-            Err(error) => faults.push(Some(error.to_string())),
+    match gpu {
+        Ok(gpu) => {
+            let uploads = [
+                Upload::of_colour(gpu, &image),
+                Upload::of_depth(gpu, &image),
+            ];
+            let mut works = uploads.each_ref().map(Upload::as_work);
+            steps.extend(take_turns(setup.frames, &mut works)?.into_iter().map(Ok));
         }
+        Err(_) => steps.extend([(); 2].map(|()| Err("no graphics adapter".to_owned()))),
     }
-    match &uploads {
-        Ok(uploads) => {
-            works.extend(uploads.iter().map(Upload::as_work));
-            faults.extend([None, None]);
-        }
-        Err(_) => faults.extend([(); 2].map(|()| Some("no graphics adapter".to_owned()))),
-    }
-    let mut times = take_turns(setup.frames, &mut works)?.into_iter();
-    let step = |fault: Option<String>| match fault {
-        Some(fault) => Some(Err(fault)),
-        None => times.next().map(Ok),
-    };
-    Ok(faults.into_iter().filter_map(step).collect())
+    Ok(steps)
 }
 
 fn table(columns: &[([u32; 2], Steps)]) -> Table {
@@ -143,7 +130,25 @@ fn table(columns: &[([u32; 2], Steps)]) -> Table {
         }
         table.row(cells);
     }
+    table.row(cost_of_depth(columns));
     table
+}
+
+/// What depth adds to the time of colour alone, in percent.
+fn cost_of_depth(columns: &[([u32; 2], Steps)]) -> Vec<Cell> {
+    let percent = |with: f64, without: f64| 100.0 * (with / without - 1.0);
+    let mut cells = vec![Cell::from("what depth adds to colour, %")];
+    for (with, without) in STEPS[0].1.iter().zip(STEPS[1].1) {
+        cells.extend([Cell::Empty, Cell::Number(percent(*with, without), 1)]);
+    }
+    for (_, steps) in columns {
+        let cost = match (&steps[0], &steps[1]) {
+            (Ok(with), Ok(without)) => Cell::Number(percent(with.median(), without.median()), 1),
+            _ => Cell::Empty,
+        };
+        cells.extend([Cell::Empty, cost, Cell::Empty]);
+    }
+    cells
 }
 
 fn pictures(setup: &Setup, scene: &Scene, with_depth: &Prepared) -> Vec<Picture> {
