@@ -4,16 +4,13 @@
 //! Paper --its file--> Report (prose, tables, figures) --table--> text or JSON on standard output
 //!                        ^                            --page---> DIR/index.html and its images
 //!                        |
-//!     trial (casters by name, timed in turns), upload (the GPU), blocks (a made scene)
+//!     trial (casters by name, timed in turns), truth (what a view ought to show),
+//!     mesh and upload (the GPU), blocks (a made scene)
 //! ```
 
 mod blocks;
 mod cohenor1996;
 mod guedes1997;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the table of Wan and others does not show it yet")
-)]
 mod mesh;
 mod page;
 mod picture;
@@ -23,6 +20,7 @@ mod table;
 mod trial;
 mod truth;
 mod upload;
+mod voxel_model;
 mod wan1999;
 
 use crate::cli::{Paper, ReproduceArgs};

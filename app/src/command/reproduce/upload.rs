@@ -68,6 +68,10 @@ impl<'a> Upload<'a> {
         if let Some(error) = self.gpu.take_error() {
             anyhow::bail!("the graphics adapter did not take an image: {error}");
         }
+        // A lost device does nothing, at once and without an error.
+        if self.gpu.is_lost() {
+            anyhow::bail!("the graphics adapter did not take an image: its device is lost");
+        }
         Ok(())
     }
 

@@ -1,16 +1,17 @@
 //! Wan, Qu and Kaufman (1999): ray coherence, boundary cells, roll and workers (row W10).
 
 use super::Setup;
-use super::picture::{colours, enlarged};
+use super::mesh::Mesh;
 use super::report::{Cell, Picture, Report, Table};
 use super::trial::{
     Attempt, Outcome, Prepared, Trial, all_prepared, cell, outcomes, prepared, ratio,
 };
-use super::truth::{SIDE, Truth};
-use crate::command::bench::measure::timed;
+use super::voxel_model::{self, LEVELS};
+use crate::command::bench::measure::{Times, take_turns};
 use anyhow::Result;
+use image::RgbaImage;
 use sandtable_cast::{CastPool, Difference, Scene, Scheme, standpoints};
-use sandtable_terrain::{DensityFilter, VoxelError, VoxelShape, VoxelVolume};
+use sandtable_stage::Gpu;
 use sandtable_view::View;
 use std::sync::Arc;
 
@@ -41,12 +42,16 @@ const CASTERS: [(&str, &str, Option<f64>); 4] = [
     ),
 ];
 
-/// Their places.
+/// Places among the casters.
 const ACCURATE: usize = 0;
 const APPROXIMATE: usize = 1;
 
-/// Slices of the paper's volume.
-const LEVELS: u32 = 64;
+/// The rival that is no caster, and the paper's seconds for it.
+const MESH: &str = "two textured triangles a cell";
+const MESH_SECONDS: f64 = 0.80;
+
+/// Pixels of the paper's image.
+const PIXELS: f64 = 500.0 * 400.0;
 
 /// Workers, and the paper's seconds with the accurate and the approximate caster.
 const WORKERS: [(usize, f64, f64); 5] = [
@@ -59,9 +64,6 @@ const WORKERS: [(usize, f64, f64); 5] = [
 
 /// Degrees of roll: ten, as many as the paper's mean is of.
 const ROLLS: [f64; 10] = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
-
-/// A ridge near the eye, where voxels are large and edges sharp, in pixels.
-const CROP: [u32; 4] = [300, 90, 80, 60];
 
 /// Measures and draws.
 pub(super) fn report(setup: &Setup) -> Result<Report> {
@@ -91,24 +93,49 @@ pub(super) fn report(setup: &Setup) -> Result<Report> {
          best compared as a ratio: theirs within their machine, ours within this one."
     ));
     report.heading("Coherence and boundary cells");
-    report.table(coherence(one));
+    let mesh = mesh(setup, &scene, &view);
+    report.table(coherence(one, &mesh));
     report.heading("Workers");
     report.table(workers(&pools, one, many));
     report.heading("The approximate image");
     report.table(approximate(&scene, one));
-    report.figure(2, stills(one));
+    report.figure(3, stills(one, mesh));
     report.heading("The volume");
-    report.table(volume(setup, &scene)?);
-    antialiasing(&mut report, setup, &scene, &view)?;
+    report.table(voxel_model::size(setup, &scene)?);
+    report.heading("Antialiasing");
+    voxel_model::antialiasing(&mut report, setup, &scene, &view)?;
     report.heading("Roll");
     let roll_lines = prepared(&setup.many, &scene, "roll-lines?levels=64")?;
     roll(&mut report, setup, &scene, &roll_lines, &casters[ACCURATE])?;
     Ok(report)
 }
 
-fn coherence(one: &[Attempt]) -> Table {
+/// The ground as triangles: their times and image, and on what they were drawn.
+struct Drawn {
+    adapter: String,
+    times: Times,
+    image: RgbaImage,
+}
+
+/// Draws the ground as triangles, or says why it cannot.
+fn mesh(setup: &Setup, scene: &Scene, view: &View) -> Result<Drawn, String> {
+    let draw = || -> Result<Drawn> {
+        let gpu = Gpu::offscreen()?;
+        let mesh = Mesh::new(&gpu, &scene.ground, view)?;
+        let mut times = take_turns(setup.frames, &mut [mesh.as_work()])?;
+        Ok(Drawn {
+            adapter: gpu.description(),
+            times: times.remove(0),
+            image: mesh.image()?,
+        })
+    };
+    draw().map_err(|error| format!("{error:#}"))
+}
+
+fn coherence(one: &[Attempt], mesh: &Result<Drawn, String>) -> Table {
+    let (_, _, accurate) = CASTERS[ACCURATE];
     let mut table = Table::new(
-        "One worker; the accurate caster's time is 1.",
+        "One worker; the accurate caster's time is 1. Triangles are drawn by the graphics adapter.",
         &[
             "caster",
             "paper s",
@@ -121,7 +148,6 @@ fn coherence(one: &[Attempt]) -> Table {
         ],
     );
     for ((_, label, seconds), attempt) in CASTERS.iter().zip(one) {
-        let (_, _, accurate) = CASTERS[ACCURATE];
         let paper_ratio = seconds.zip(accurate).map(|(time, unit)| time / unit);
         table.row([
             (*label).into(),
@@ -134,6 +160,31 @@ fn coherence(one: &[Attempt]) -> Table {
             cell(attempt, 2, Outcome::mpix_per_s),
         ]);
     }
+    table.row(match mesh {
+        Ok(Drawn { adapter, times, .. }) => [
+            format!("{MESH}, on {adapter}").into(),
+            Cell::Number(MESH_SECONDS, 2),
+            Cell::quoted(accurate.map(|unit| MESH_SECONDS / unit), 2),
+            Cell::Number(times.median(), 1),
+            match &one[ACCURATE] {
+                Ok(accurate) => Cell::Number(times.median() / accurate.ms(), 2),
+                Err(_) => Cell::Empty,
+            },
+            Cell::Number(times.at(0.05), 1),
+            Cell::Number(times.at(0.95), 1),
+            Cell::Number(PIXELS / times.median() / 1e3, 2),
+        ],
+        Err(reason) => [
+            MESH.into(),
+            Cell::Number(MESH_SECONDS, 2),
+            Cell::quoted(accurate.map(|unit| MESH_SECONDS / unit), 2),
+            Cell::Refused(reason.clone()),
+            Cell::Empty,
+            Cell::Empty,
+            Cell::Empty,
+            Cell::Empty,
+        ],
+    });
     table
 }
 
@@ -236,8 +287,8 @@ fn early_stop(depth: &[f32], exact: &[f32], cell_length: f64) -> Option<f64> {
     (!stops.is_empty()).then(|| sum / stops.len() as f64)
 }
 
-fn stills(one: &[Attempt]) -> Vec<Picture> {
-    [
+fn stills(one: &[Attempt], mesh: Result<Drawn, String>) -> Vec<Picture> {
+    let cast = [
         (
             ACCURATE,
             "volume",
@@ -248,116 +299,13 @@ fn stills(one: &[Attempt]) -> Vec<Picture> {
             "boundary",
             "Approximate: boundary cells alone, as the paper's figure 7.",
         ),
-    ]
-    .into_iter()
-    .filter_map(|(place, file, caption)| Picture::of(&one[place], file, caption))
-    .collect()
-}
-
-/// The voxel model's size and the time it takes to build, for each filter.
-fn volume(setup: &Setup, scene: &Scene) -> Result<Table> {
-    let ground = &scene.ground;
-    let shape = VoxelShape::with_levels(ground, LEVELS)?;
-    let mut table = Table::new(
-        format!(
-            "The volume, packed down to what lies near the surface; built on {} threads.",
-            setup.many.threads()
-        ),
-        &[
-            "filter",
-            "full MiB",
-            "packed MiB",
-            "bytes a column",
-            "with boundary array MiB",
-            "built in ms",
-        ],
-    );
-    let mib = |bytes: usize| Cell::Number(bytes as f64 / f64::from(1 << 20), 2);
-    for (label, filter) in [
-        ("none", DensityFilter::None),
-        (
-            "oriented box, 2 voxels wide",
-            DensityFilter::OrientedBox { width: 2.0 },
-        ),
-        (
-            "Gaussian, sigma 1 voxel",
-            DensityFilter::Gaussian { sigma: 1.0 },
-        ),
-    ] {
-        let build = || -> Result<_, VoxelError> {
-            let volume = VoxelVolume::new(ground, shape, filter)?;
-            let boundary = volume.boundary(127);
-            Ok((volume, boundary))
-        };
-        let (built, ms) = timed(|| setup.many.run(build));
-        let (volume, boundary) = built?;
-        let columns = ground.grid().posts() as f64;
-        table.row([
-            label.into(),
-            mib(volume.full_bytes()),
-            mib(volume.bytes()),
-            Cell::Number(volume.bytes() as f64 / columns, 1),
-            mib(volume.bytes() + boundary.bytes()),
-            Cell::Number(ms, 0),
-        ]);
-    }
-    Ok(table)
-}
-
-/// How near casters with and without antialiasing come to what a pixel ought to show.
-fn antialiasing(report: &mut Report, setup: &Setup, scene: &Arc<Scene>, view: &View) -> Result<()> {
-    let truth = Truth::cast(&setup.many, scene, view)?;
-    let mut table = Table::new(
-        format!("Colours against the truth: the mean of {SIDE} by {SIDE} exact rays a pixel."),
-        &["caster", "PSNR dB"],
-    );
-    let mut pictures = Vec::new();
-    for (file, text, caption) in [
-        (
-            "edge-boundary",
-            "boundary?levels=64",
-            "boundary cells alone",
-        ),
-        (
-            "edge-nearest",
-            "inclined-corrected?posts=nearest",
-            "nearest posts",
-        ),
-        (
-            "edge-binary",
-            "volume?levels=64&filter=none",
-            "volume without a filter",
-        ),
-        (
-            "edge-volume",
-            "volume?levels=64",
-            "volume under an oriented box filter",
-        ),
-    ] {
-        let prepared = prepared(&setup.many, scene, text)?;
-        let outcome = Trial::new(&prepared, &setup.many, *view).images();
-        match outcome {
-            Ok(images) => {
-                let image = colours(&images[0]);
-                table.row([
-                    format!("{text}: {caption}").into(),
-                    Cell::Number(truth.psnr_db(&image), 1),
-                ]);
-                pictures.push(Picture::new(file, caption, enlarged(&image, CROP, 4)));
-            }
-            Err(error) => table.row([text.into(), Cell::Refused(error.to_string())]),
-        }
-    }
-    let image = truth.image();
-    pictures.push(Picture::new(
-        "edge-truth",
-        "the truth",
-        enlarged(&image, CROP, 4),
-    ));
-    report.heading("Antialiasing");
-    report.table(table);
-    report.figure(5, pictures);
-    Ok(())
+    ];
+    let pictures = cast
+        .into_iter()
+        .filter_map(|(place, file, caption)| Picture::of(&one[place], file, caption));
+    let caption = "Two textured triangles a cell, drawn by the graphics adapter.";
+    let mesh = mesh.map(|drawn| Picture::new("mesh", caption, drawn.image));
+    pictures.chain(mesh).collect()
 }
 
 /// The time over the roll angle: along lines parallel to the vertical, and along columns.
