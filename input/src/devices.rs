@@ -1,9 +1,8 @@
 //! All devices of a rig, each in a thread of its own.
 
 use crate::flock::driver::Driver;
-use crate::flock::{FlockStream, StreamCounts};
 use crate::recording::{DeviceEvent, Recorder};
-use crate::{Clock, Hub};
+use crate::{Clock, Hub, Sample, Stream, StreamCounts};
 use crossbeam_channel::Sender;
 use sandtable_config::{Device, Rig};
 use sandtable_pose::Nanos;
@@ -157,14 +156,14 @@ impl Outlet {
     }
 
     /// Records the bytes as they came, then lets `stream` make samples of them.
-    pub(crate) fn bytes(&self, bytes: &[u8], arrival: Nanos, stream: &mut FlockStream) {
+    pub(crate) fn bytes(&self, bytes: &[u8], arrival: Nanos, stream: &mut dyn Stream) {
         if let Some(recorder) = &self.recorder {
             recorder.bytes(&self.device, arrival, bytes);
         }
-        stream.push(bytes, arrival, |sample| {
+        stream.push(bytes, arrival, &mut |sample| {
             self.hub.push(&self.device, sample);
-            if let Some(recorder) = &self.recorder {
-                recorder.sample(&self.device, sample);
+            if let (Some(recorder), Sample::Pose(pose)) = (&self.recorder, sample) {
+                recorder.pose(&self.device, pose);
             }
         });
         self.state().counts = stream.counts();

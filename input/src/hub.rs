@@ -1,17 +1,18 @@
-//! The hub: the newest poses of every sensor, and how far to trust them.
+//! The hub: the newest samples of every sensor, and how far to trust its poses.
 //!
-//! Device threads write samples, everyone else asks for the pose at a time of their own. A sensor's
-//! history is short and its lock is held for a search in it at most, so that no writer waits long
-//! for a reader, and none for another sensor's.
+//! Device threads write samples, everyone else asks for what was true at a time of their own. A
+//! sensor's histories are short and a lock is held for a search in one at most, so that no writer
+//! waits long for a reader, and none for another sensor's.
 
-use crate::flock::{Sample, record_period};
+use crate::flock::record_period;
+use crate::{AxesSample, ButtonsSample, HandState, PoseSample, Sample};
 use sandtable_config::{Device, Rig, SensorName};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Poses by sensor and time. The sensors are those of the rig that it was made for.
+/// Samples by sensor and time. The sensors are those of the rig that it was made for.
 #[derive(Debug, Default)]
 pub struct Hub {
     /// Each device's sensors, number 1 first.
@@ -22,26 +23,27 @@ pub struct Hub {
 struct Sensor {
     held_after: Duration,
     lost_after: Duration,
-    history: Mutex<VecDeque<Sample>>,
+    poses: History<PoseSample, 512>,
+    buttons: History<ButtonsSample, 128>,
+    axes: History<AxesSample, 128>,
+    hands: History<(Nanos, HandState), 128>,
 }
 
-/// Samples kept of each sensor: five seconds of the usual cycle.
-const HISTORY: usize = 512;
+/// The newest samples of one kind, at most `N`: of poses, five seconds of a Flock's usual cycle.
+#[derive(Debug)]
+struct History<S, const N: usize>(Mutex<VecDeque<S>>);
 
 impl Hub {
-    /// A hub for all sensors of a rig, none of which has a pose yet.
+    /// A hub for all sensors of a rig, of which nothing is known yet.
     #[must_use]
     pub fn for_rig(rig: &Rig) -> Self {
         let sensors = |device: &Device| {
             let Device::Flock(flock) = device;
             // A slow line brings records less often than a pose may be old.
             let held_after = flock.held_after.max(3 * record_period(flock));
-            let sensor = || Sensor {
-                held_after,
-                lost_after: flock.lost_after.max(held_after),
-                history: Mutex::default(),
-            };
-            (0..device.sensors()).map(|_| sensor()).collect()
+            let lost_after = flock.lost_after.max(held_after);
+            let sensor = |_| Sensor::new(held_after, lost_after);
+            (0..device.sensors()).map(sensor).collect()
         };
         Self {
             devices: rig
@@ -54,8 +56,14 @@ impl Hub {
 
     /// Adds a sample of a device's sensor; one of an unknown sensor is ignored.
     pub fn push(&self, device: &str, sample: Sample) {
-        if let Some(sensor) = self.sensor(device, sample.sensor) {
-            sensor.push(sample);
+        let Some(sensor) = self.sensor(device, sample.sensor()) else {
+            return;
+        };
+        match sample {
+            Sample::Pose(sample) => sensor.poses.push(sample),
+            Sample::Buttons(sample) => sensor.buttons.push(sample),
+            Sample::Axes(sample) => sensor.axes.push(sample),
+            Sample::Hand(sample) => sensor.hands.push((sample.time, sample.hand)),
         }
     }
 
@@ -65,7 +73,29 @@ impl Hub {
     /// It is live while young, held for a while, then lost; it is never replaced by a default.
     #[must_use]
     pub fn pose_at(&self, sensor: &SensorName, time: Nanos) -> Option<Pose> {
-        self.sensor(&sensor.device, sensor.number)?.pose_at(time)
+        let sensor = self.named(sensor)?;
+        let sample = sensor.poses.at(time, |sample| sample.time)?;
+        Some(sensor.pose(&sample, time))
+    }
+
+    /// The buttons pressed at `time`, bit n for button n; `None` where nothing is known of them.
+    #[must_use]
+    pub fn buttons_at(&self, sensor: &SensorName, time: Nanos) -> Option<u64> {
+        let sample = self.named(sensor)?.buttons.at(time, |sample| sample.time)?;
+        Some(sample.pressed)
+    }
+
+    /// The axes as they were at `time`; `None` where nothing is known of them.
+    #[must_use]
+    pub fn axes_at(&self, sensor: &SensorName, time: Nanos) -> Option<AxesSample> {
+        self.named(sensor)?.axes.at(time, |sample| sample.time)
+    }
+
+    /// The fingers as they were at `time`; `None` where nothing is known of them.
+    #[must_use]
+    pub fn hand_at(&self, sensor: &SensorName, time: Nanos) -> Option<HandState> {
+        let (_, hand) = self.named(sensor)?.hands.at(time, |(time, _)| *time)?;
+        Some(hand)
     }
 
     /// The sensors, in order.
@@ -78,11 +108,18 @@ impl Hub {
         })
     }
 
-    /// Forgets every pose, as before a recording is played anew.
+    /// Forgets every sample, as before a recording is played anew.
     pub fn clear(&self) {
         for sensor in self.devices.values().flatten() {
-            sensor.lock().clear();
+            sensor.poses.lock().clear();
+            sensor.buttons.lock().clear();
+            sensor.axes.lock().clear();
+            sensor.hands.lock().clear();
         }
+    }
+
+    fn named(&self, name: &SensorName) -> Option<&Sensor> {
+        self.sensor(&name.device, name.number)
     }
 
     fn sensor(&self, device: &str, number: u32) -> Option<&Sensor> {
@@ -92,25 +129,18 @@ impl Hub {
 }
 
 impl Sensor {
-    fn lock(&self) -> std::sync::MutexGuard<'_, VecDeque<Sample>> {
-        // No code that can panic runs under the lock; a poisoned history is whole.
-        self.history.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn push(&self, sample: Sample) {
-        let mut history = self.lock();
-        if history.len() == HISTORY {
-            history.pop_front();
+    fn new(held_after: Duration, lost_after: Duration) -> Self {
+        Self {
+            held_after,
+            lost_after,
+            poses: History::default(),
+            buttons: History::default(),
+            axes: History::default(),
+            hands: History::default(),
         }
-        history.push_back(sample);
     }
 
-    fn pose_at(&self, time: Nanos) -> Option<Pose> {
-        let sample = {
-            let history = self.lock();
-            let later = history.partition_point(|sample| sample.time <= time);
-            history.get(later.checked_sub(1)?).copied()?
-        };
+    fn pose(&self, sample: &PoseSample, time: Nanos) -> Pose {
         let age = time.since(sample.time);
         let validity = if sample.frozen || age > self.lost_after {
             Validity::Lost
@@ -119,11 +149,39 @@ impl Sensor {
         } else {
             Validity::Live
         };
-        Some(Pose {
+        Pose {
             frame_from_body: sample.table_from_sensor,
             time: sample.time,
             validity,
-        })
+        }
+    }
+}
+
+impl<S, const N: usize> Default for History<S, N> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<S: Copy, const N: usize> History<S, N> {
+    fn lock(&self) -> MutexGuard<'_, VecDeque<S>> {
+        // No code that can panic runs under the lock; a poisoned history is whole.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn push(&self, sample: S) {
+        let mut history = self.lock();
+        if history.len() == N {
+            history.pop_front();
+        }
+        history.push_back(sample);
+    }
+
+    /// The newest sample of at or before `time`.
+    fn at(&self, time: Nanos, time_of: impl Fn(&S) -> Nanos) -> Option<S> {
+        let history = self.lock();
+        let later = history.partition_point(|sample| time_of(sample) <= time);
+        history.get(later.checked_sub(1)?).copied()
     }
 }
 
@@ -144,8 +202,8 @@ mod tests {
         }
     }
 
-    fn sample(ms: u64, x: f64) -> Sample {
-        Sample {
+    fn sample(ms: u64, x: f64) -> PoseSample {
+        PoseSample {
             sensor: 1,
             time: Nanos(ms * 1_000_000),
             table_from_sensor: Rigid::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)),
@@ -162,7 +220,7 @@ mod tests {
     fn a_pose_is_live_then_held_then_lost_and_keeps_its_place() {
         let hub = hub();
         assert_eq!(validity(&hub, 100), None);
-        hub.push("flock", sample(100, 0.5));
+        hub.push("flock", Sample::Pose(sample(100, 0.5)));
         assert_eq!(validity(&hub, 99), None);
         assert_eq!(validity(&hub, 100), Some(Validity::Live));
         assert_eq!(validity(&hub, 130), Some(Validity::Live));
@@ -178,7 +236,7 @@ mod tests {
     fn an_earlier_time_gives_an_earlier_pose() {
         let hub = hub();
         for i in 0..2000 {
-            hub.push("flock", sample(i * 10, i as f64));
+            hub.push("flock", Sample::Pose(sample(i * 10, i as f64)));
         }
         let at = |ms: u64| hub.pose_at(&head(), Nanos(ms * 1_000_000));
         assert_eq!(at(19_995).unwrap().frame_from_body.translation.x, 1999.0);
@@ -192,10 +250,10 @@ mod tests {
         let hub = hub();
         hub.push(
             "flock",
-            Sample {
+            Sample::Pose(PoseSample {
                 frozen: true,
                 ..sample(100, 0.0)
-            },
+            }),
         );
         assert_eq!(validity(&hub, 100), Some(Validity::Lost));
     }
@@ -203,15 +261,55 @@ mod tests {
     #[test]
     fn sensors_that_the_rig_does_not_have_are_ignored() {
         let hub = hub();
-        hub.push("glove", sample(0, 0.0));
+        hub.push("glove", Sample::Pose(sample(0, 0.0)));
         hub.push(
             "flock",
-            Sample {
+            Sample::Pose(PoseSample {
                 sensor: 9,
                 ..sample(0, 0.0)
-            },
+            }),
         );
         assert_eq!(validity(&hub, 0), None);
         assert_eq!(hub.sensors().count(), 2);
+    }
+
+    #[test]
+    fn buttons_and_hands_are_as_they_were_at_a_time() {
+        let hub = hub();
+        let time = |ms: u64| Nanos(ms * 1_000_000);
+        let pressed = |ms: u64, pressed: u64| {
+            hub.push(
+                "flock",
+                Sample::Buttons(ButtonsSample {
+                    sensor: 1,
+                    time: time(ms),
+                    pressed,
+                }),
+            );
+        };
+        assert_eq!(hub.buttons_at(&head(), time(5)), None);
+        pressed(10, 0b1);
+        pressed(20, 0b110);
+        let at = |ms: u64| hub.buttons_at(&head(), time(ms));
+        assert_eq!(
+            [at(9), at(10), at(19), at(1000)],
+            [None, Some(1), Some(1), Some(6)]
+        );
+        let hand = HandState {
+            flexion: Some([0.0, 0.25, 0.5, 0.75, 1.0]),
+            contacts: None,
+        };
+        hub.push(
+            "flock",
+            Sample::Hand(crate::HandSample {
+                sensor: 1,
+                time: time(10),
+                hand,
+            }),
+        );
+        assert_eq!(hub.hand_at(&head(), time(9)), None);
+        assert_eq!(hub.hand_at(&head(), time(10)), Some(hand));
+        hub.clear();
+        assert_eq!((at(1000), hub.hand_at(&head(), time(10))), (None, None));
     }
 }

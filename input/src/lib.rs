@@ -1,10 +1,10 @@
 //! Input: devices to timestamped samples, recordings of them, and their replay.
 //!
 //! ```text
-//! serial port --bytes--> driver --+--> FlockStream --samples--> Hub --pose_at(t)--> viewer
-//!                                 |        ^
-//!                                 v        |
-//!                             Recorder   Replay (virtual clock)
+//! a port --bytes--> driver --+--> Stream --samples--> Hub --pose_at(t)--> viewer
+//!                            |      ^
+//!                            v      |
+//!                        Recorder  Replay (virtual clock)
 //! gamepad --state--> map_gamepad --> FlightAxes
 //! ```
 //!
@@ -17,13 +17,14 @@
 //!
 //! ```
 //! use sandtable_config::{Device, Rig};
-//! use sandtable_input::Hub;
-//! use sandtable_input::flock::{FlockStream, Motion, SimulatedFlock, SimulatorSettings};
+//! use sandtable_input::{Hub, stream_of};
+//! use sandtable_input::flock::{ Motion, SimulatedFlock, SimulatorSettings};
 //! use sandtable_pose::{Nanos, Validity};
 //! use std::time::Duration;
 //!
 //! let rig = Rig::builtin("workbench").unwrap();
-//! let Device::Flock(flock) = &rig.devices["flock"];
+//! let device_in_rig = &rig.devices["flock"];
+//! let Device::Flock(flock) = device_in_rig;
 //! let mut device = SimulatedFlock::new(SimulatorSettings::default());
 //! let mut now = Duration::ZERO;
 //! for step in sandtable_input::flock::startup(flock) {
@@ -34,10 +35,10 @@
 //! }
 //!
 //! let hub = Hub::for_rig(&rig);
-//! let mut stream = FlockStream::new(flock);
+//! let mut stream = stream_of(device_in_rig);
 //! let read = device.send(now + Duration::from_millis(100));
 //! let arrival = Nanos(100_000_000);
-//! stream.push(&read, arrival, |sample| hub.push("flock", sample));
+//! stream.push(&read, arrival, &mut |sample| hub.push("flock", sample));
 //!
 //! let head = rig.head.unwrap();
 //! let pose = hub.pose_at(&head.sensor.unwrap(), arrival).unwrap();
@@ -54,6 +55,8 @@ pub mod flock;
 mod gamepad;
 mod hub;
 pub mod recording;
+mod sample;
+mod stream;
 
 pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};
@@ -61,3 +64,7 @@ pub use flight::FlightAxes;
 pub use gamepad::{GamepadError, GamepadState, Gamepads, map_gamepad};
 pub use hub::Hub;
 pub use recording::{Recorder, Replay};
+pub use sample::{
+    AXES, AxesSample, ButtonsSample, Contacts, Fingers, HandSample, HandState, PoseSample, Sample,
+};
+pub use stream::{Stream, StreamCounts, stream_of};

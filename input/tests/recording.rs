@@ -5,10 +5,11 @@
 )]
 
 use sandtable_config::{Device, Rig, SensorName};
-use sandtable_input::flock::{Action, Sample};
-use sandtable_input::flock::{FlockStream, Motion, SimulatedFlock, SimulatorSettings, startup};
+use sandtable_input::flock::{
+    Action, FlockStream, Motion, SimulatedFlock, SimulatorSettings, startup,
+};
 use sandtable_input::recording::{DeviceEvent, RecordError, ReplayError};
-use sandtable_input::{Hub, Recorder, Replay};
+use sandtable_input::{Hub, PoseSample, Recorder, Replay, Sample, Stream};
 use sandtable_pose::{Nanos, Pose};
 use serde_json::{Value, json};
 use std::io::{Seek, SeekFrom, Write};
@@ -44,7 +45,7 @@ fn placement() -> Value {
     json!({ "anchor": [0.1 + 0.2, 1.0 / 3.0, -1e-300], "yaw": 0.7, "scale": 12_345.678_901_234_567 })
 }
 
-fn record(path: &Path, reads: &[(Nanos, Vec<u8>)]) -> Vec<Sample> {
+fn record(path: &Path, reads: &[(Nanos, Vec<u8>)]) -> Vec<PoseSample> {
     let rig = Rig::builtin("workbench").unwrap();
     let Device::Flock(flock) = &rig.devices["flock"];
     let recorder = Recorder::create(path, &rig, Some(&placement()), Nanos(500)).unwrap();
@@ -53,8 +54,11 @@ fn record(path: &Path, reads: &[(Nanos, Vec<u8>)]) -> Vec<Sample> {
     let mut samples = Vec::new();
     for (arrival, bytes) in reads {
         recorder.bytes("flock", *arrival, bytes);
-        stream.push(bytes, *arrival, |sample| {
-            recorder.sample("flock", sample);
+        stream.push(bytes, *arrival, &mut |sample| {
+            let Sample::Pose(sample) = sample else {
+                return;
+            };
+            recorder.pose("flock", sample);
             samples.push(sample);
         });
     }

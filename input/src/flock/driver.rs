@@ -6,6 +6,7 @@
 use super::startup::{ANSWER_WITHIN, Action, EXAMINE_ERROR, EXAMINE_STATUS, startup, stop_bytes};
 use super::status::{SYSTEM_STATUS_LENGTH, error_in_words, system_status_problem};
 use super::stream::FlockStream;
+use crate::Stream;
 use crate::devices::{Condition, Outlet};
 use crate::recording::DeviceEvent;
 use crossbeam_channel::{Receiver, RecvTimeoutError};
@@ -268,7 +269,7 @@ impl Driver {
         let start = Instant::now();
         let (mut heard, mut understood) = (start, start);
         let mut complete = false;
-        let mut records = self.stream.counts().decoder.records;
+        let mut records = self.stream.counts().records;
         loop {
             if self.pause(Duration::ZERO).is_err() {
                 return Ok(Stopped);
@@ -280,7 +281,7 @@ impl Driver {
                 self.outlet
                     .bytes(&buffer[..count], arrival, &mut self.stream);
             }
-            let now_records = self.stream.counts().decoder.records;
+            let now_records = self.stream.counts().records;
             if now_records > records {
                 records = now_records;
                 understood = Instant::now();

@@ -27,4 +27,4 @@ pub use simulator::{Faults, Motion, SimulatedFlock, SimulatorSettings};
 pub use simulator::{Simulator, SimulatorError};
 pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};
 pub use status::{SYSTEM_STATUS_LENGTH, UnitStatus, error_in_words, system_status_problem};
-pub use stream::{FROZEN_AFTER, FlockStream, Sample, StreamCounts, layout, record_period};
+pub use stream::{FROZEN_AFTER, FlockStream, layout, record_period};

@@ -2,39 +2,14 @@
 //!
 //! Live driver and replay run the same stream, so that a recording gives the same samples.
 
-use super::decoder::{Decoder, DecoderCounts};
+use super::decoder::Decoder;
 use super::gate::{Gate, GateLimits};
 use super::measurement::Scale;
 use super::record::{LONGEST_RECORD, Layout, Words};
+use crate::{PoseSample, Sample, Stream, StreamCounts};
 use sandtable_config::Flock;
 use sandtable_pose::{Nanos, Rigid};
 use std::time::Duration;
-
-/// One sensor's pose at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// The sensor's number on its device, from 1.
-    pub sensor: u32,
-    /// When its first byte was on the line.
-    pub time: Nanos,
-    /// The pose in the table's frame, in metres.
-    pub table_from_sensor: Rigid,
-    /// Whether the device has repeated itself for so long that it must be frozen.
-    pub frozen: bool,
-}
-
-/// What a stream has seen since it was made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StreamCounts {
-    /// What the decoder saw.
-    pub decoder: DecoderCounts,
-    /// Samples let out.
-    pub samples: u64,
-    /// Records whose quaternion was none.
-    pub not_unit: u64,
-    /// Records that jumped, or that no other record vouched for.
-    pub refused: u64,
-}
 
 /// Equal records in a row after which a sensor is frozen: a magnetic tracker's last bit never
 /// rests for a second.
@@ -84,8 +59,42 @@ impl FlockStream {
         }
     }
 
-    /// Takes the bytes of one read, which ended at `arrival`; hands each sample to `out`.
-    pub fn push(&mut self, bytes: &[u8], arrival: Nanos, mut out: impl FnMut(Sample)) {
+    /// The first bird of which no record has come since the stream was made or restarted.
+    #[must_use]
+    pub fn missing_bird(&self) -> Option<u32> {
+        let missing = |(number, bird): (u32, &Bird)| bird.words.is_none().then_some(number);
+        (1..).zip(&self.birds).find_map(missing)
+    }
+
+    fn sample(&mut self, number: u32, words: &Words, began: Nanos) -> Option<PoseSample> {
+        let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
+        if bird.words.as_ref() == Some(words) {
+            bird.equal = bird.equal.saturating_add(1);
+        } else {
+            bird.equal = 1;
+            bird.words = Some(*words);
+        }
+        let Some(pose) = self.scale.pose(words) else {
+            self.counts.implausible += 1;
+            return None;
+        };
+        let time = began.max(bird.newest + Duration::from_nanos(1));
+        if !bird.gate.admits(&self.limits, time, &pose) {
+            self.counts.refused += 1;
+            return None;
+        }
+        bird.newest = time;
+        Some(PoseSample {
+            sensor: number,
+            time,
+            table_from_sensor: self.table_from_tracker * pose,
+            frozen: bird.equal >= FROZEN_AFTER,
+        })
+    }
+}
+
+impl Stream for FlockStream {
+    fn push(&mut self, bytes: &[u8], arrival: Nanos, out: &mut dyn FnMut(Sample)) {
         for (index, &byte) in bytes.iter().enumerate() {
             let Some(record) = self.decoder.push(byte) else {
                 continue;
@@ -96,13 +105,12 @@ impl FlockStream {
             let sample = self.sample(record.bird, &record.words, began);
             self.counts.samples += u64::from(sample.is_some());
             if let Some(sample) = sample {
-                out(sample);
+                out(Sample::Pose(sample));
             }
         }
     }
 
-    /// Forgets what came before, as after a restart of the device.
-    pub fn restart(&mut self) {
+    fn restart(&mut self) {
         self.decoder.restart();
         for bird in &mut self.birds {
             *bird = Bird {
@@ -112,46 +120,15 @@ impl FlockStream {
         }
     }
 
-    /// The first bird of which no record has come since the stream was made or restarted.
-    #[must_use]
-    pub fn missing_bird(&self) -> Option<u32> {
-        let missing = |(number, bird): (u32, &Bird)| bird.words.is_none().then_some(number);
-        (1..).zip(&self.birds).find_map(missing)
-    }
-
-    /// What it has seen.
-    #[must_use]
-    pub fn counts(&self) -> StreamCounts {
+    fn counts(&self) -> StreamCounts {
+        let decoder = self.decoder.counts();
         StreamCounts {
-            decoder: self.decoder.counts(),
+            records: decoder.records,
+            stray_bytes: decoder.stray_bytes,
+            cut_records: decoder.cut_records,
+            foreign_records: decoder.foreign_records,
             ..self.counts
         }
-    }
-
-    fn sample(&mut self, number: u32, words: &Words, began: Nanos) -> Option<Sample> {
-        let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
-        if bird.words.as_ref() == Some(words) {
-            bird.equal = bird.equal.saturating_add(1);
-        } else {
-            bird.equal = 1;
-            bird.words = Some(*words);
-        }
-        let Some(pose) = self.scale.pose(words) else {
-            self.counts.not_unit += 1;
-            return None;
-        };
-        let time = began.max(bird.newest + Duration::from_nanos(1));
-        if !bird.gate.admits(&self.limits, time, &pose) {
-            self.counts.refused += 1;
-            return None;
-        }
-        bird.newest = time;
-        Some(Sample {
-            sensor: number,
-            time,
-            table_from_sensor: self.table_from_tracker * pose,
-            frozen: bird.equal >= FROZEN_AFTER,
-        })
     }
 }
 
@@ -212,17 +189,19 @@ mod tests {
         Rigid::new(turn, DVec3::new(0.3 * t.sin(), 0.1 * f64::from(bird), -0.5))
     }
 
-    fn samples(flock: &Flock, chunks: &[(Nanos, Vec<u8>)]) -> Vec<Sample> {
+    fn samples(flock: &Flock, chunks: &[(Nanos, Vec<u8>)]) -> Vec<PoseSample> {
         let mut stream = FlockStream::new(flock);
         let mut samples = Vec::new();
         for (arrival, bytes) in chunks {
-            stream.push(bytes, *arrival, |sample| samples.push(sample));
+            stream.push(bytes, *arrival, &mut |sample| {
+                samples.extend(sample.pose().copied())
+            });
         }
         samples
     }
 
     /// The nearest that a sample is to any pose sent for its sensor.
-    fn error(flock: &Flock, sample: &Sample, cycles: u32) -> f64 {
+    fn error(flock: &Flock, sample: &PoseSample, cycles: u32) -> f64 {
         (0..cycles)
             .map(|cycle| {
                 let sent = flock.table_from_tracker * path(sample.sensor, cycle);

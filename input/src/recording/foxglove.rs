@@ -1,6 +1,6 @@
 //! Poses as Foxglove's well-known `foxglove.PoseInFrame`, in JSON.
 
-use crate::flock::Sample;
+use crate::PoseSample;
 use serde_json::{Value, json};
 
 /// The schema's name, by which viewers know what to draw.
@@ -10,7 +10,7 @@ pub(crate) const SCHEMA_NAME: &str = "foxglove.PoseInFrame";
 const FRAME: &str = "table";
 
 /// A sample as a message's value.
-pub(crate) fn pose_in_frame(sample: &Sample) -> Value {
+pub(crate) fn pose_in_frame(sample: &PoseSample) -> Value {
     let position = sample.table_from_sensor.translation;
     let orientation = sample.table_from_sensor.rotation;
     let nanos = sample.time.0;

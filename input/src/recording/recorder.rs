@@ -6,7 +6,7 @@ use super::{
     DeviceEvent, GAPS_TOPIC, GapMessage, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage, bytes_topic,
     events_topic, pose_topic,
 };
-use crate::flock::Sample;
+use crate::PoseSample;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError};
 use sandtable_config::Rig;
 use sandtable_pose::Nanos;
@@ -55,9 +55,9 @@ enum Entry {
         time: Nanos,
         event: DeviceEvent,
     },
-    Sample {
+    Pose {
         device: String,
-        sample: Sample,
+        sample: PoseSample,
     },
     Json {
         topic: String,
@@ -145,8 +145,8 @@ impl Recorder {
     }
 
     /// Records a decoded pose, for viewers.
-    pub fn sample(&self, device: &str, sample: Sample) {
-        self.put(Entry::Sample {
+    pub fn pose(&self, device: &str, sample: PoseSample) {
+        self.put(Entry::Pose {
             device: device.to_owned(),
             sample,
         });
@@ -262,7 +262,7 @@ impl Writing {
                 (topic, encoding, time) = (events_topic(device), Encoding::Json, *at);
                 data = json(event);
             }
-            Entry::Sample { device, sample } => {
+            Entry::Pose { device, sample } => {
                 topic = pose_topic(device, sample.sensor);
                 (encoding, time) = (Encoding::PoseInFrame, sample.time);
                 data = json(&pose_in_frame(sample));

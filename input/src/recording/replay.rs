@@ -2,9 +2,8 @@
 
 use super::reader::{RecordedMessage, ReplayError, read_messages};
 use super::{DeviceEvent, GAPS_TOPIC, GapMessage, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage};
-use crate::Hub;
-use crate::flock::FlockStream;
-use sandtable_config::{Device, Rig};
+use crate::{Hub, Stream, stream_of};
+use sandtable_config::Rig;
 use sandtable_pose::Nanos;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -17,7 +16,7 @@ pub struct Replay {
     entries: Vec<Entry>,
     /// The first entry that has not been played.
     next: usize,
-    streams: BTreeMap<String, FlockStream>,
+    streams: BTreeMap<String, Box<dyn Stream>>,
     values: BTreeMap<String, Vec<(Nanos, Value)>>,
     start: Nanos,
     end: Nanos,
@@ -170,7 +169,7 @@ impl Replay {
             };
             match &entry.what {
                 What::Bytes(bytes) => {
-                    stream.push(bytes, entry.arrival, |sample| {
+                    stream.push(bytes, entry.arrival, &mut |sample| {
                         hub.push(&entry.device, sample);
                     });
                 }
@@ -193,10 +192,9 @@ impl Replay {
     }
 }
 
-fn streams(rig: &Rig) -> BTreeMap<String, FlockStream> {
-    let stream = |(name, device): (&String, &Device)| {
-        let Device::Flock(flock) = device;
-        (name.clone(), FlockStream::new(flock))
-    };
-    rig.devices.iter().map(stream).collect()
+fn streams(rig: &Rig) -> BTreeMap<String, Box<dyn Stream>> {
+    let devices = rig.devices.iter();
+    devices
+        .map(|(name, device)| (name.clone(), stream_of(device)))
+        .collect()
 }

@@ -1,0 +1,158 @@
+//! Samples: what a device has measured, and when.
+//!
+//! Every kind of device speaks in these, so that nothing behind the drivers knows a Flock from a
+//! VRPN server or one glove from another.
+
+use sandtable_pose::{Nanos, Rigid};
+
+/// Something that a device's sensor has measured at one time.
+///
+/// Sensors are numbered from 1 on their device. Times of one sensor never go back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sample {
+    /// Where a sensor is.
+    Pose(PoseSample),
+    /// Which of a sensor's buttons are pressed.
+    Buttons(ButtonsSample),
+    /// How far a sensor's axes are out.
+    Axes(AxesSample),
+    /// How a hand's fingers are.
+    Hand(HandSample),
+}
+
+impl Sample {
+    /// The sensor's number on its device.
+    #[must_use]
+    pub fn sensor(&self) -> u32 {
+        match self {
+            Self::Pose(sample) => sample.sensor,
+            Self::Buttons(sample) => sample.sensor,
+            Self::Axes(sample) => sample.sensor,
+            Self::Hand(sample) => sample.sensor,
+        }
+    }
+
+    /// When it was measured.
+    #[must_use]
+    pub fn time(&self) -> Nanos {
+        match self {
+            Self::Pose(sample) => sample.time,
+            Self::Buttons(sample) => sample.time,
+            Self::Axes(sample) => sample.time,
+            Self::Hand(sample) => sample.time,
+        }
+    }
+
+    /// The pose, where it is one.
+    #[must_use]
+    pub fn pose(&self) -> Option<&PoseSample> {
+        match self {
+            Self::Pose(sample) => Some(sample),
+            _ => None,
+        }
+    }
+}
+
+/// One sensor's pose at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseSample {
+    /// The sensor's number on its device, from 1.
+    pub sensor: u32,
+    /// When it was measured; for a serial line, when its first byte was on it.
+    pub time: Nanos,
+    /// The pose in the table's frame, in metres.
+    pub table_from_sensor: Rigid,
+    /// Whether the device has repeated itself for so long that it must be frozen.
+    pub frozen: bool,
+}
+
+/// One sensor's buttons at one time, all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ButtonsSample {
+    /// The sensor's number on its device, from 1.
+    pub sensor: u32,
+    /// When they were read.
+    pub time: Nanos,
+    /// Bit n is set while button n, from 0, is pressed.
+    pub pressed: u64,
+}
+
+/// The most axes that a sensor has.
+pub const AXES: usize = 32;
+
+/// One sensor's axes at one time, all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxesSample {
+    /// The sensor's number on its device, from 1.
+    pub sensor: u32,
+    /// When they were read.
+    pub time: Nanos,
+    /// The axes from 0 on, in the device's own units (VRPN: mostly −1 to 1); 0 from `count` on.
+    pub values: [f64; AXES],
+    /// How many there are.
+    pub count: usize,
+}
+
+/// How one hand's fingers are at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandSample {
+    /// The glove's number on its device, from 1; of a pair, 1 is the left and 2 the right hand.
+    pub sensor: u32,
+    /// When it was read.
+    pub time: Nanos,
+    /// The fingers.
+    pub hand: HandState,
+}
+
+/// A hand's fingers, thumb first, little finger last; only what the glove can measure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HandState {
+    /// How far each finger is bent, from 0, straight, to 1, closed.
+    pub flexion: Option<[f64; 5]>,
+    /// Which fingertips touch.
+    pub contacts: Option<Contacts>,
+}
+
+/// A set of fingers: bit 0 is the thumb, bit 4 the little finger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Fingers(pub u8);
+
+impl Fingers {
+    /// The thumb.
+    pub const THUMB: Self = Self(1);
+    /// The index finger.
+    pub const INDEX: Self = Self(1 << 1);
+    /// The middle finger.
+    pub const MIDDLE: Self = Self(1 << 2);
+    /// The ring finger.
+    pub const RING: Self = Self(1 << 3);
+    /// The little finger.
+    pub const LITTLE: Self = Self(1 << 4);
+
+    /// Whether all of `others` are among them.
+    #[must_use]
+    pub fn contains(self, others: Self) -> bool {
+        self.0 & others.0 == others.0
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Those of either set.
+    #[must_use]
+    pub fn with(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
+}
+
+/// Which fingertips of a hand touch which.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Contacts {
+    /// For each finger, the fingers of the same hand that it is joined with, itself not counted.
+    pub own: [Fingers; 5],
+    /// For each finger, the fingers of the other hand that it is joined with.
+    pub other: [Fingers; 5],
+}
