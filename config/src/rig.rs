@@ -191,9 +191,9 @@ impl Rig {
         if let Some(remedy) = port_remedy(&text) {
             return Err(bad(remedy));
         }
-        match self.devices.get_mut(device) {
-            Some(Device::Flock(flock)) => flock.port = text,
-            None => unreachable!("the device was looked up above"),
+        match self.devices.get_mut(device).and_then(Device::port_mut) {
+            Some(port) => *port = text,
+            None => return Err(bad(&format!("the device `{device}` is on no serial port"))),
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! All devices of a rig, each in a thread of its own.
 
-use crate::flock::driver::Driver;
+use crate::device_thread::DeviceThread;
+use crate::flock;
 use crate::recording::{DeviceEvent, Recorder};
 use crate::{Clock, Hub, Sample, Stream, StreamCounts};
 use crossbeam_channel::Sender;
@@ -71,7 +72,6 @@ impl Devices {
             running: Vec::new(),
         };
         for (name, device) in &rig.devices {
-            let Device::Flock(flock) = device;
             let state = Arc::new(Mutex::new(DeviceState {
                 name: name.clone(),
                 condition: Condition::Starting,
@@ -85,10 +85,13 @@ impl Devices {
                 state: Arc::clone(&state),
             };
             let (stop, stopped) = crossbeam_channel::bounded(0);
-            let driver = Driver::new(flock, outlet, stopped);
+            let driven = DeviceThread::new(outlet, stopped);
+            let device = device.clone();
             let thread = std::thread::Builder::new()
                 .name(format!("device {name}"))
-                .spawn(move || driver.run())
+                .spawn(move || match device {
+                    Device::Flock(flock) => flock::driver::run(&flock, driven),
+                })
                 .map_err(|source| DevicesError {
                     device: name.clone(),
                     source,

@@ -49,6 +49,7 @@
 //! ```
 
 mod clock;
+mod device_thread;
 mod devices;
 mod flight;
 pub mod flock;
@@ -56,6 +57,7 @@ mod gamepad;
 mod hub;
 pub mod recording;
 mod sample;
+mod serial_line;
 mod stream;
 
 pub use clock::Clock;
@@ -67,4 +69,5 @@ pub use recording::{Recorder, Replay};
 pub use sample::{
     AXES, AxesSample, ButtonsSample, Contacts, Fingers, HandSample, HandState, PoseSample, Sample,
 };
+pub use serial_line::SerialError;
 pub use stream::{Stream, StreamCounts, stream_of};

@@ -7,37 +7,18 @@ use super::startup::{ANSWER_WITHIN, Action, EXAMINE_ERROR, EXAMINE_STATUS, start
 use super::status::{SYSTEM_STATUS_LENGTH, error_in_words, system_status_problem};
 use super::stream::FlockStream;
 use crate::Stream;
-use crate::devices::{Condition, Outlet};
+use crate::device_thread::{DeviceThread, Stopped};
 use crate::recording::DeviceEvent;
-use crossbeam_channel::{Receiver, RecvTimeoutError};
+use crate::serial_line::{SerialError, SerialLine};
 use sandtable_config::Flock;
-use sandtable_pose::Nanos;
-use serialport::{ClearBuffer, SerialPort};
-use std::convert::Infallible;
-use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 /// Why a Flock is not streaming just now.
 #[derive(Debug, thiserror::Error)]
 pub enum FlockError {
-    /// The port cannot be opened.
-    #[error("cannot open {port} ({problem}); {remedy}")]
-    Open {
-        /// The port's path.
-        port: String,
-        /// What the system says.
-        problem: String,
-        /// What helps.
-        remedy: &'static str,
-    },
-    /// The port was open and is gone.
-    #[error("{port} is gone ({source}); plug the device in again")]
-    Gone {
-        /// The port's path.
-        port: String,
-        /// What the system says.
-        source: io::Error,
-    },
+    /// Its line.
+    #[error(transparent)]
+    Line(#[from] SerialError),
     /// Nothing came for two seconds.
     #[error("{port} has been silent for 2 s; check that the Flock is on and set to FLY")]
     Silent {
@@ -85,149 +66,90 @@ pub enum FlockError {
 /// Silence after which the device is started anew.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// The pause before a port is tried again.
-const RETRY: Duration = Duration::from_millis(500);
-
-/// The least time between two lines of the log.
-const LOG_PAUSE: Duration = Duration::from_secs(10);
-
-/// How long one read waits, and so how long a stop may take.
-const READ_TIMEOUT: Duration = Duration::from_millis(50);
-
-/// Ends when the other side is dropped.
-pub(crate) type Stop = Receiver<Infallible>;
-
-/// The thread's own state.
-pub(crate) struct Driver {
+/// The driver's own state.
+struct Driver {
     flock: Flock,
     stream: FlockStream,
-    outlet: Outlet,
-    stop: Stop,
     modem_lines_told: bool,
-    logged: Option<(Instant, String)>,
 }
 
-/// Why a session ended without an error.
-struct Stopped;
+/// Keeps a Flock streaming until its thread is to end.
+pub(crate) fn run(flock: &Flock, thread: DeviceThread) {
+    let mut driver = Driver {
+        stream: FlockStream::new(flock),
+        flock: flock.clone(),
+        modem_lines_told: false,
+    };
+    thread.run(|thread| driver.session(thread));
+}
 
 impl Driver {
-    pub(crate) fn new(flock: &Flock, outlet: Outlet, stop: Stop) -> Self {
-        Self {
-            stream: FlockStream::new(flock),
-            flock: flock.clone(),
-            outlet,
-            stop,
-            modem_lines_told: false,
-            logged: None,
-        }
-    }
-
-    /// Runs until it is stopped.
-    pub(crate) fn run(mut self) {
-        loop {
-            self.outlet.set_condition(Condition::Starting);
-            match self.session() {
-                Ok(Stopped) => return,
-                Err(error) => self.report(&error),
-            }
-            if self.pause(RETRY).is_err() {
-                return;
-            }
-        }
-    }
-
     /// From opening the port to losing it.
-    fn session(&mut self) -> Result<Stopped, FlockError> {
-        let mut port = self.open()?;
-        let result = self.start_and_stream(port.as_mut());
-        // Whatever happened: a device left behind should neither send nor transmit. One that is
-        // gone cannot be told, which is no news.
-        let _ = port.write_all(&stop_bytes());
-        let _ = port.flush();
+    fn session(&mut self, thread: &mut DeviceThread) -> Result<Stopped, FlockError> {
+        let mut line = SerialLine::open(&self.flock.port, self.flock.baud)?;
+        // Most systems raise RTS on opening, and RTS holds the units in reset.
+        if let Err(error) = line.set_rts(false) {
+            self.tell_modem_lines(thread, &error);
+        }
+        let result = self.start_and_stream(thread, &mut line);
+        // Whatever happened: a device left behind should neither send nor transmit.
+        line.write_last(&stop_bytes());
         result
     }
 
-    fn open(&mut self) -> Result<Box<dyn SerialPort>, FlockError> {
-        let mut port = serialport::new(&self.flock.port, self.flock.baud)
-            .timeout(READ_TIMEOUT)
-            .open()
-            .map_err(|error| self.cannot_open(&error))?;
-        // Most systems raise RTS on opening, and RTS holds the units in reset.
-        if let Err(error) = port.write_request_to_send(false) {
-            self.tell_modem_lines(&error);
-        }
-        Ok(port)
-    }
-
-    fn cannot_open(&self, error: &serialport::Error) -> FlockError {
-        use serialport::ErrorKind as Serial;
-        let remedy = match error.kind() {
-            Serial::Io(ErrorKind::NotFound) => {
-                "plug the device in or name its port; `sandtable doctor` lists the ports"
-            }
-            Serial::Io(ErrorKind::PermissionDenied) => {
-                "join the port's group: `sudo usermod -aG dialout $USER`, then log in again"
-            }
-            Serial::NoDevice => "another program has it open; end that one",
-            _ => "name a serial port; `sandtable doctor` lists them",
-        };
-        FlockError::Open {
-            port: self.flock.port.clone(),
-            problem: error.description.clone(),
-            remedy,
-        }
-    }
-
-    fn tell_modem_lines(&mut self, error: &serialport::Error) {
+    fn tell_modem_lines(&mut self, thread: &DeviceThread, error: &serialport::Error) {
         if !self.modem_lines_told {
             self.modem_lines_told = true;
             tracing::warn!(
-                device = self.outlet.device(),
+                device = thread.outlet.device(),
                 "{} has no modem lines ({error}); going on without a reset by RTS",
                 self.flock.port
             );
         }
     }
 
-    fn start_and_stream(&mut self, port: &mut dyn SerialPort) -> Result<Stopped, FlockError> {
+    fn start_and_stream(
+        &mut self,
+        thread: &mut DeviceThread,
+        line: &mut SerialLine,
+    ) -> Result<Stopped, FlockError> {
         for step in startup(&self.flock) {
-            tracing::debug!(device = self.outlet.device(), step = step.what);
+            tracing::debug!(device = thread.outlet.device(), step = step.what);
             let mut silence = step.silence;
             match step.action {
-                Action::Send(bytes) => self.write(port, &bytes)?,
-                Action::ExamineStatus => self.check_status(port)?,
-                Action::PulseRts(lasting) => match port.write_request_to_send(true) {
+                Action::Send(bytes) => line.write(&bytes)?,
+                Action::ExamineStatus => self.check_status(line)?,
+                Action::PulseRts(lasting) => match line.set_rts(true) {
                     Ok(()) => {
-                        if self.pause(lasting).is_err() {
+                        if thread.pause(lasting).is_err() {
                             return Ok(Stopped);
                         }
-                        if let Err(error) = port.write_request_to_send(false) {
-                            self.tell_modem_lines(&error);
+                        if let Err(error) = line.set_rts(false) {
+                            self.tell_modem_lines(thread, &error);
                         }
                     }
                     Err(error) => {
-                        self.tell_modem_lines(&error);
+                        self.tell_modem_lines(thread, &error);
                         silence = Duration::ZERO;
                     }
                 },
             }
             if !silence.is_zero() {
-                if self.pause(silence).is_err() {
+                if thread.pause(silence).is_err() {
                     return Ok(Stopped);
                 }
-                port.clear(ClearBuffer::Input)
-                    .map_err(|error| self.gone(error.into()))?;
+                line.discard()?;
             }
         }
         self.stream.restart();
-        self.outlet.event(DeviceEvent::Started);
-        self.read_stream(port)
+        thread.outlet.event(DeviceEvent::Started);
+        self.read_stream(thread, line)
     }
 
-    fn check_status(&mut self, port: &mut dyn SerialPort) -> Result<(), FlockError> {
-        self.write(port, &EXAMINE_STATUS)?;
+    fn check_status(&mut self, line: &mut SerialLine) -> Result<(), FlockError> {
+        line.write(&EXAMINE_STATUS)?;
         let mut status = [0; SYSTEM_STATUS_LENGTH];
-        let got = self.answer(port, &mut status)?;
+        let got = line.answer(&mut status, ANSWER_WITHIN)?;
         if got < status.len() {
             return Err(FlockError::NoAnswer {
                 port: self.flock.port.clone(),
@@ -239,9 +161,9 @@ impl Driver {
         let Some(problem) = system_status_problem(&status, self.flock.units(), &birds) else {
             return Ok(());
         };
-        self.write(port, &EXAMINE_ERROR)?;
+        line.write(&EXAMINE_ERROR)?;
         let mut code = [0];
-        let said = match self.answer(port, &mut code)? {
+        let said = match line.answer(&mut code, ANSWER_WITHIN)? {
             1 if code[0] != 0 => {
                 format!(". It says: {} (error {})", error_in_words(code[0]), code[0])
             }
@@ -254,31 +176,26 @@ impl Driver {
         })
     }
 
-    /// Fills `buffer` from what comes in time; returns how much did.
-    fn answer(&self, port: &mut dyn SerialPort, buffer: &mut [u8]) -> Result<usize, FlockError> {
-        let until = Instant::now() + ANSWER_WITHIN;
-        let mut got = 0;
-        while got < buffer.len() && Instant::now() < until {
-            got += self.read(port, &mut buffer[got..])?;
-        }
-        Ok(got)
-    }
-
-    fn read_stream(&mut self, port: &mut dyn SerialPort) -> Result<Stopped, FlockError> {
+    fn read_stream(
+        &mut self,
+        thread: &mut DeviceThread,
+        line: &mut SerialLine,
+    ) -> Result<Stopped, FlockError> {
         let mut buffer = [0; 512];
         let start = Instant::now();
         let (mut heard, mut understood) = (start, start);
         let mut complete = false;
         let mut records = self.stream.counts().records;
         loop {
-            if self.pause(Duration::ZERO).is_err() {
+            if thread.pause(Duration::ZERO).is_err() {
                 return Ok(Stopped);
             }
-            let count = self.read(port, &mut buffer)?;
-            let arrival: Nanos = self.outlet.now();
+            let count = line.read(&mut buffer)?;
+            let arrival = thread.outlet.now();
             if count > 0 {
                 heard = Instant::now();
-                self.outlet
+                thread
+                    .outlet
                     .bytes(&buffer[..count], arrival, &mut self.stream);
             }
             let now_records = self.stream.counts().records;
@@ -299,7 +216,7 @@ impl Driver {
                 match self.stream.missing_bird() {
                     None => {
                         complete = true;
-                        self.streaming();
+                        thread.streaming(&self.flock.port);
                     }
                     Some(bird) if start.elapsed() >= SILENCE => {
                         return Err(self.no_records(format!("bird {bird}")));
@@ -315,65 +232,6 @@ impl Driver {
             port: self.flock.port.clone(),
             whom,
             baud: self.flock.baud,
-        }
-    }
-
-    /// Reads what is there, waiting a little; nothing is 0 bytes, a port that is gone an error.
-    fn read(&self, port: &mut dyn SerialPort, buffer: &mut [u8]) -> Result<usize, FlockError> {
-        match port.read(buffer) {
-            // A port that is there times out instead; this one was unplugged.
-            Ok(0) => Err(self.gone(ErrorKind::UnexpectedEof.into())),
-            Ok(count) => Ok(count),
-            Err(error) => match error.kind() {
-                ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock => Ok(0),
-                _ => Err(self.gone(error)),
-            },
-        }
-    }
-
-    fn write(&self, port: &mut dyn SerialPort, bytes: &[u8]) -> Result<(), FlockError> {
-        port.write_all(bytes).map_err(|error| self.gone(error))
-    }
-
-    fn gone(&self, source: io::Error) -> FlockError {
-        FlockError::Gone {
-            port: self.flock.port.clone(),
-            source,
-        }
-    }
-
-    fn streaming(&mut self) {
-        self.outlet.set_condition(Condition::Streaming);
-        if self.logged.take().is_some() {
-            tracing::info!(
-                device = self.outlet.device(),
-                "streaming from {}",
-                self.flock.port
-            );
-        }
-    }
-
-    /// Shows the error, and logs it where it is news.
-    fn report(&mut self, error: &FlockError) {
-        let text = error.to_string();
-        let known = self
-            .logged
-            .as_ref()
-            .is_some_and(|(when, logged)| *logged == text || when.elapsed() < LOG_PAUSE);
-        if !known {
-            tracing::warn!(device = self.outlet.device(), "{text}");
-            self.logged = Some((Instant::now(), text.clone()));
-        }
-        self.outlet.event(DeviceEvent::Lost);
-        self.outlet.set_condition(Condition::Waiting(text));
-    }
-
-    /// Waits, or fails at once where the driver is to stop.
-    fn pause(&self, lasting: Duration) -> Result<(), Stopped> {
-        match self.stop.recv_timeout(lasting) {
-            Err(RecvTimeoutError::Timeout) => Ok(()),
-            Err(RecvTimeoutError::Disconnected) => Err(Stopped),
-            Ok(never) => match never {},
         }
     }
 }

@@ -1,27 +1,11 @@
-//! Devices: what is plugged in where, and how it sits in the table's frame.
+//! Ascension's Flock of Birds.
 
+use super::port::read_port;
 use crate::RigError;
-use crate::fields::{Fields, Value};
+use crate::fields::Fields;
 use crate::rigid::read_rigid;
 use sandtable_pose::Rigid;
 use std::time::Duration;
-
-/// A device of the rig.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Device {
-    /// An Ascension Flock of Birds on a serial line.
-    Flock(Flock),
-}
-
-impl Device {
-    /// How many sensors it has.
-    #[must_use]
-    pub fn sensors(&self) -> u32 {
-        match self {
-            Self::Flock(flock) => flock.birds,
-        }
-    }
-}
 
 /// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 4 birds.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,43 +114,8 @@ pub enum QuaternionSign {
     AsSent,
 }
 
-/// Checks that a port is the path of a terminal, never a command or an address.
-pub(crate) fn port_remedy(port: &str) -> Option<&'static str> {
-    let com = port
-        .strip_prefix("COM")
-        .is_some_and(|n| !n.is_empty() && n.len() <= 3 && n.bytes().all(|b| b.is_ascii_digit()));
-    if com {
-        return None;
-    }
-    if !port.starts_with('/') || port.len() < 2 || port.ends_with('/') {
-        return Some("write its absolute path, as \"/dev/ttyUSB0\" (or \"COM3\")");
-    }
-    if port.len() > 1024
-        || port
-            .chars()
-            .any(|c| c.is_control() || "|;&$<>`\"'*?".contains(c))
-    {
-        return Some("write the path of a serial port only: commands and patterns are never run");
-    }
-    None
-}
-
-pub(crate) fn read_device(value: &Value<'_>) -> Result<Device, RigError> {
-    let fields = value.fields()?;
-    fields
-        .need("kind", "write kind = \"flock-of-birds\"")?
-        .choice(&[("flock-of-birds", ())])?;
-    let flock = read_flock(&fields)?;
-    fields.finish()?;
-    Ok(Device::Flock(flock))
-}
-
-fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
-    let port_value = fields.need("port", "write the serial port's path, as \"/dev/ttyUSB0\"")?;
-    let port = port_value.text("the serial port's path")?;
-    if let Some(remedy) = port_remedy(port) {
-        return Err(port_value.error(&format!("is {port:?}"), remedy));
-    }
+pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
+    let port = read_port(fields)?;
     let baud = match fields.get("baud") {
         Some(value) => value.one_of(
             &[2400, 4800, 9600, 19200, 38400, 57600, 115_200],
@@ -211,7 +160,7 @@ fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         ));
     }
     Ok(Flock {
-        port: port.to_owned(),
+        port,
         baud,
         birds,
         group,
