@@ -77,6 +77,17 @@ impl<'a> Fields<'a> {
         })
     }
 
+    /// The meaning of `key`'s word, one of `choices`; `default` where it is not there.
+    pub(crate) fn choice_or<T: Copy>(
+        &self,
+        key: &str,
+        default: T,
+        choices: &[(&str, T)],
+    ) -> Result<T, RigError> {
+        self.get(key)
+            .map_or(Ok(default), |value| value.choice(choices))
+    }
+
     /// The value of `key`; `remedy` says what to write where it is missing.
     pub(crate) fn need(&self, key: &str, remedy: &str) -> Result<Value<'a>, RigError> {
         match self.get(key) {

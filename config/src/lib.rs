@@ -34,7 +34,9 @@ mod viewing;
 
 pub use body::{Eyes, Hand, Head, SensorName};
 pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
-pub use device::{Device, Flock, Hemisphere, QuaternionSign, Range};
+pub use device::{
+    Addressing, Confirm, Device, Flock, FlockMode, Hemisphere, QuaternionSign, Range, RecordFormat,
+};
 pub use error::RigError;
 pub use rig::Rig;
 pub use viewing::{Desktop, Measure, Stereo, StereoMode, Table, Viewing};

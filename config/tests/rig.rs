@@ -84,7 +84,11 @@ fn each_error_names_file_line_key_and_remedy() {
             &["devices.flock.baud", "is 9601", "9600, 19200"],
         ),
         ("baud = 115200", "baud = \"fast\"", &["is a string", "9600"]),
-        ("birds = 2", "birds = 5", &["devices.flock.birds", "1 to 4"]),
+        (
+            "birds = 2",
+            "birds = 15",
+            &["devices.flock.birds", "1 to 14"],
+        ),
         (
             "birds = 2",
             "birds = 1",

@@ -29,6 +29,8 @@ pub struct StreamCounts {
     pub stray_bytes: u64,
     /// Records cut short by the next one's mark.
     pub cut_records: u64,
+    /// Records with a byte too many, where the next one's mark is waited for.
+    pub overlong_records: u64,
     /// Whole records under an address that nobody has.
     pub foreign_records: u64,
     /// Records that are none: a quaternion that is not of length 1, a count that is not so.

@@ -7,19 +7,29 @@ use crate::rigid::read_rigid;
 use sandtable_pose::Rigid;
 use std::time::Duration;
 
-/// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 4 birds.
+/// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 14 birds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flock {
     /// The serial port's path.
     pub port: String,
     /// Bits a second, as the units' switches say.
     pub baud: u32,
-    /// How many birds there are, 1 to 4.
+    /// How many birds there are, 1 to [`Flock::MOST_BIRDS`].
     pub birds: u32,
     /// Whether the birds share the line (FBB addresses from 1); one bird may stand alone.
     pub group: bool,
     /// The address of an Extended Range Controller, if there is one; the birds take the others.
     pub erc_address: Option<u32>,
+    /// How units are addressed on the line.
+    pub addressing: Addressing,
+    /// What a record holds.
+    pub format: RecordFormat,
+    /// Whether each record brings the state of its bird's buttons.
+    pub buttons: bool,
+    /// Who sets the pace.
+    pub mode: FlockMode,
+    /// When a record is believed.
+    pub confirm: Confirm,
     /// How far positions reach.
     pub range: Range,
     /// Where sensors are, seen from the transmitter.
@@ -45,6 +55,9 @@ pub struct Flock {
 }
 
 impl Flock {
+    /// The most birds on one line.
+    pub const MOST_BIRDS: u32 = 14;
+
     /// The birds' addresses on the line, lowest first; empty for one that stands alone.
     #[must_use]
     pub fn addresses(&self) -> Vec<u8> {
@@ -62,6 +75,68 @@ impl Flock {
         let units = self.birds + u32::from(self.erc_address.is_some());
         u8::try_from(units).unwrap_or(u8::MAX)
     }
+}
+
+/// How units are addressed on the line, as the system's firmware is set up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Addressing {
+    /// Up to 14 units.
+    Normal,
+    /// Up to 30.
+    Expanded,
+    /// Up to 126; addresses go in bytes of their own.
+    SuperExpanded,
+}
+
+/// What a bird's record holds. What it does not hold of a pose is taken as that of the transmitter:
+/// no turn, or no way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RecordFormat {
+    /// x, y, z.
+    Position,
+    /// Azimuth, elevation and roll.
+    Angles,
+    /// The nine elements of a rotation matrix.
+    Matrix,
+    /// A quaternion.
+    Quaternion,
+    /// x, y, z; azimuth, elevation and roll: what birds send after power-up.
+    PositionAngles,
+    /// x, y, z; a rotation matrix.
+    PositionMatrix,
+    /// x, y, z; a quaternion.
+    PositionQuaternion,
+}
+
+impl RecordFormat {
+    /// All formats.
+    pub const ALL: [Self; 7] = [
+        Self::Position,
+        Self::Angles,
+        Self::Matrix,
+        Self::Quaternion,
+        Self::PositionAngles,
+        Self::PositionMatrix,
+        Self::PositionQuaternion,
+    ];
+}
+
+/// Who sets the pace of records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlockMode {
+    /// The Flock sends a record of each bird every measuring cycle.
+    Stream,
+    /// The host asks for each record; nothing is sent that it does not read.
+    Point,
+}
+
+/// When a record is believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Confirm {
+    /// As soon as it is whole.
+    Immediate,
+    /// Once the next record's mark follows it: a doubled byte shows then, a cycle later.
+    NextMark,
 }
 
 /// How far positions reach along each axis.
@@ -124,8 +199,8 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         None => 115_200,
     };
     let birds = fields
-        .need("birds", "write how many there are, 1 to 4")?
-        .integer(1..=4, "birds")?;
+        .need("birds", "write how many there are, 1 to 14")?
+        .integer(1..=Flock::MOST_BIRDS, "birds")?;
     let group = match fields.get("group") {
         Some(value) => {
             let group = value.boolean()?;
@@ -140,6 +215,7 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         None => true,
     };
     let (range, erc_address) = read_range(fields, birds, group)?;
+    let addressing = read_addressing(fields, birds, erc_address)?;
     let quick = |key: &str, default: f64, range| match fields.get(key) {
         Some(value) => value.number(range, "seconds").map(Duration::from_secs_f64),
         None => Ok(Duration::from_secs_f64(default)),
@@ -165,6 +241,37 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         birds,
         group,
         erc_address,
+        addressing,
+        format: fields.choice_or(
+            "format",
+            RecordFormat::PositionQuaternion,
+            &[
+                ("position", RecordFormat::Position),
+                ("angles", RecordFormat::Angles),
+                ("matrix", RecordFormat::Matrix),
+                ("quaternion", RecordFormat::Quaternion),
+                ("position-angles", RecordFormat::PositionAngles),
+                ("position-matrix", RecordFormat::PositionMatrix),
+                ("position-quaternion", RecordFormat::PositionQuaternion),
+            ],
+        )?,
+        buttons: match fields.get("buttons") {
+            Some(value) => value.boolean()?,
+            None => false,
+        },
+        mode: fields.choice_or(
+            "mode",
+            FlockMode::Stream,
+            &[("stream", FlockMode::Stream), ("point", FlockMode::Point)],
+        )?,
+        confirm: fields.choice_or(
+            "confirm",
+            Confirm::Immediate,
+            &[
+                ("immediate", Confirm::Immediate),
+                ("next_mark", Confirm::NextMark),
+            ],
+        )?,
         range,
         hemisphere: fields
             .need(
@@ -179,13 +286,14 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
                 ("upper", Hemisphere::Upper),
                 ("lower", Hemisphere::Lower),
             ])?,
-        quaternion: match fields.get("quaternion") {
-            Some(value) => value.choice(&[
+        quaternion: fields.choice_or(
+            "quaternion",
+            QuaternionSign::Conjugate,
+            &[
                 ("conjugate", QuaternionSign::Conjugate),
                 ("as-sent", QuaternionSign::AsSent),
-            ])?,
-            None => QuaternionSign::Conjugate,
-        },
+            ],
+        )?,
         reset_with_rts: match fields.get("reset_with_rts") {
             Some(value) => value.boolean()?,
             None => true,
@@ -211,6 +319,31 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
             "translation",
         )?,
     })
+}
+
+fn read_addressing(
+    fields: &Fields<'_>,
+    birds: u32,
+    erc_address: Option<u32>,
+) -> Result<Addressing, RigError> {
+    let addressing = fields.choice_or(
+        "addressing",
+        Addressing::Normal,
+        &[
+            ("normal", Addressing::Normal),
+            ("expanded", Addressing::Expanded),
+            ("super-expanded", Addressing::SuperExpanded),
+        ],
+    )?;
+    let units = birds + u32::from(erc_address.is_some());
+    if addressing == Addressing::Normal && units > 14 {
+        return Err(fields.error(
+            "addressing",
+            &format!("is normal, which reaches 14 units, and there are {units}"),
+            "write addressing = \"expanded\", or fewer birds",
+        ));
+    }
+    Ok(addressing)
 }
 
 fn read_range(

@@ -3,7 +3,9 @@
 mod flock;
 mod port;
 
-pub use flock::{Flock, Hemisphere, QuaternionSign, Range};
+pub use flock::{
+    Addressing, Confirm, Flock, FlockMode, Hemisphere, QuaternionSign, Range, RecordFormat,
+};
 pub(crate) use port::port_remedy;
 
 use crate::RigError;

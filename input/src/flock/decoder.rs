@@ -83,14 +83,17 @@ impl Decoder {
 mod tests {
     use super::*;
     use crate::flock::record::Words;
+    use sandtable_config::RecordFormat;
+
+    const FORMAT: RecordFormat = RecordFormat::PositionQuaternion;
 
     /// A stream of `cycles` records of each bird, every one different from all others.
     fn sent(birds: u32, cycles: i16) -> (Layout, Vec<Record>, Vec<u8>) {
         let addresses: Vec<u8> = (1..=4).take(birds as usize).collect();
         let layout = if birds == 0 {
-            Layout::standalone()
+            Layout::standalone(FORMAT)
         } else {
-            Layout::grouped(&addresses)
+            Layout::grouped(FORMAT, &addresses)
         };
         let mut records = Vec::new();
         let mut bytes = Vec::new();
@@ -98,11 +101,12 @@ mod tests {
             for bird in 1..=birds.max(1) {
                 let seed = i32::from(cycle) * 911 + bird as i32 * 5381;
                 let word = |i: i32| ((seed.wrapping_mul(7919 + 2 * i) % 65536) as i16) & !3;
-                let words = Words {
-                    position: [word(1), word(2), word(3)],
-                    quaternion: [word(4), word(5), word(6), word(7)],
+                let words = Words::new(&[1, 2, 3, 4, 5, 6, 7].map(word));
+                let record = Record {
+                    bird,
+                    words,
+                    buttons: None,
                 };
-                let record = Record { bird, words };
                 layout.encode(&record, &mut bytes);
                 records.push(record);
             }

@@ -3,14 +3,16 @@
 //! It opens the port, starts the device, reads it, and begins anew after a silence, an error or an
 //! unplugged cable, for ever and with a pause in between. What it reads it hands on as it came.
 
-use super::startup::{ANSWER_WITHIN, Action, EXAMINE_ERROR, EXAMINE_STATUS, startup, stop_bytes};
-use super::status::{SYSTEM_STATUS_LENGTH, error_in_words, system_status_problem};
-use super::stream::FlockStream;
+use super::startup::{
+    ANSWER_WITHIN, Action, EXAMINE_ERROR, EXAMINE_STATUS, POINT, startup, stop_bytes,
+};
+use super::status::{error_in_words, system_status_length, system_status_problem};
+use super::stream::{FlockStream, record_period};
 use crate::Stream;
 use crate::device_thread::{DeviceThread, Stopped};
 use crate::recording::DeviceEvent;
 use crate::serial_line::{SerialError, SerialLine};
-use sandtable_config::Flock;
+use sandtable_config::{Flock, FlockMode};
 use std::time::{Duration, Instant};
 
 /// Why a Flock is not streaming just now.
@@ -40,7 +42,7 @@ pub enum FlockError {
     },
     /// The system status did not come.
     #[error(
-        "the Flock on {port} does not answer ({got} of {SYSTEM_STATUS_LENGTH} status bytes came); \
+        "the Flock on {port} does not answer ({got} of {expected} status bytes came); \
          check its power, the cable, and that its switches say {baud} baud"
     )]
     NoAnswer {
@@ -48,6 +50,8 @@ pub enum FlockError {
         port: String,
         /// How many bytes came.
         got: usize,
+        /// How many its addressing has.
+        expected: usize,
         /// The rig's speed.
         baud: u32,
     },
@@ -81,6 +85,51 @@ pub(crate) fn run(flock: &Flock, thread: DeviceThread) {
         modem_lines_told: false,
     };
     thread.run(|thread| driver.session(thread));
+}
+
+/// Asking for records, one of each bird at a time.
+struct Pointing {
+    birds: u64,
+    /// Not faster than they are measured: a bird gives the last one again until then.
+    period: Duration,
+    asked: Instant,
+    /// Records there were then.
+    records: u64,
+}
+
+impl Pointing {
+    /// How long an answer is waited for before it counts as lost, in periods.
+    const PATIENCE: u32 = 4;
+
+    fn new(flock: &Flock, now: Instant) -> Option<Self> {
+        let period = record_period(flock);
+        (flock.mode == FlockMode::Point).then(|| Self {
+            birds: u64::from(flock.birds),
+            period,
+            asked: now - period * Self::PATIENCE,
+            records: 0,
+        })
+    }
+
+    /// How long not to read yet, as all has come and the next question is not due.
+    fn wait(&self, records: u64) -> Duration {
+        if records >= self.records + self.birds {
+            self.period.saturating_sub(self.asked.elapsed())
+        } else {
+            Duration::ZERO
+        }
+    }
+
+    /// Whether to ask now; it counts as asked then.
+    fn is_due(&mut self, records: u64) -> bool {
+        let all = records >= self.records + self.birds && self.asked.elapsed() >= self.period;
+        let due = all || self.asked.elapsed() >= self.period * Self::PATIENCE;
+        if due {
+            self.asked = Instant::now();
+            self.records = records;
+        }
+        due
+    }
 }
 
 impl Driver {
@@ -148,12 +197,13 @@ impl Driver {
 
     fn check_status(&mut self, line: &mut SerialLine) -> Result<(), FlockError> {
         line.write(&EXAMINE_STATUS)?;
-        let mut status = [0; SYSTEM_STATUS_LENGTH];
+        let mut status = vec![0; system_status_length(self.flock.addressing)];
         let got = line.answer(&mut status, ANSWER_WITHIN)?;
         if got < status.len() {
             return Err(FlockError::NoAnswer {
                 port: self.flock.port.clone(),
                 got,
+                expected: status.len(),
                 baud: self.flock.baud,
             });
         }
@@ -186,9 +236,18 @@ impl Driver {
         let (mut heard, mut understood) = (start, start);
         let mut complete = false;
         let mut records = self.stream.counts().records;
+        let mut pointing = Pointing::new(&self.flock, start);
         loop {
             if thread.pause(Duration::ZERO).is_err() {
                 return Ok(Stopped);
+            }
+            if let Some(pointing) = &mut pointing {
+                if thread.pause(pointing.wait(records)).is_err() {
+                    return Ok(Stopped);
+                }
+                if pointing.is_due(records) {
+                    line.write(&[POINT])?;
+                }
             }
             let count = line.read(&mut buffer)?;
             let arrival = thread.outlet.now();

@@ -10,6 +10,7 @@
 
 mod decoder;
 pub(crate) mod driver;
+mod format;
 mod gate;
 mod measurement;
 mod record;
@@ -21,10 +22,10 @@ mod stream;
 pub use decoder::{Decoder, DecoderCounts};
 pub use driver::FlockError;
 pub use measurement::Scale;
-pub use record::{LONGEST_RECORD, Layout, Record, Words};
+pub use record::{LONGEST_RECORD, Layout, Record, Words, buttons_pressed};
 pub use simulator::{Faults, Motion, SimulatedFlock, SimulatorSettings};
 #[cfg(unix)]
 pub use simulator::{Simulator, SimulatorError};
 pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};
-pub use status::{SYSTEM_STATUS_LENGTH, UnitStatus, error_in_words, system_status_problem};
+pub use status::{UnitStatus, error_in_words, system_status_length, system_status_problem};
 pub use stream::{FROZEN_AFTER, FlockStream, layout, record_period};

@@ -1,22 +1,47 @@
 //! Records: the bytes of one bird's measurement, and the words in them.
 //!
 //! A word is 16 bits of two's complement of which the line carries the upper 14, seven a byte, low
-//! half first. Bit 7 is the phase bit: set in a record's first byte and in no other. Nothing here
-//! knows units, ports or times.
+//! half first. Bit 7 is the phase bit: set in a record's first byte and in no other. Behind the
+//! words come, where they are on, the button byte and the bird's address. Nothing here knows units,
+//! ports or times.
 
-/// The most bytes that a position/quaternion record has: seven words and the address.
-pub const LONGEST_RECORD: usize = 15;
+use super::format::Coding;
+use sandtable_config::RecordFormat;
+use std::ops::Deref;
+
+/// The most words that a record has: a position and a matrix.
+const MOST_WORDS: usize = 12;
+
+/// The most bytes that a record has: its words, the buttons and the address.
+pub const LONGEST_RECORD: usize = 2 * MOST_WORDS + 2;
 
 /// The phase bit, set in a record's first byte only.
 pub(crate) const PHASE: u8 = 0x80;
 
-/// The words of a position/quaternion record, as the line carries them: the low two bits are zero.
+/// The words of a record, as the line carries them: the low two bits are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Words {
-    /// x, y, z as shares of the full scale, 32768 to one.
-    pub position: [i16; 3],
-    /// The quaternion, scalar first, 32768 to one.
-    pub quaternion: [i16; 4],
+    words: [i16; MOST_WORDS],
+    count: usize,
+}
+
+impl Words {
+    /// The words of `words`, or the first twelve where there are more.
+    #[must_use]
+    pub fn new(words: &[i16]) -> Self {
+        let mut all = [0; MOST_WORDS];
+        let count = words.len().min(MOST_WORDS);
+        all[..count].copy_from_slice(&words[..count]);
+        Self { words: all, count }
+    }
+}
+
+impl Deref for Words {
+    type Target = [i16];
+
+    fn deref(&self) -> &[i16] {
+        &self.words[..self.count]
+    }
 }
 
 /// One bird's measurement as the line carries it.
@@ -24,37 +49,50 @@ pub struct Words {
 pub struct Record {
     /// The bird, from 1, in the order of the addresses on the line.
     pub bird: u32,
-    /// Position and attitude.
+    /// What was measured; how many words, and what they mean, is the format's.
     pub words: Words,
+    /// The button byte, where buttons are on.
+    pub buttons: Option<u8>,
 }
 
-/// Which birds share the line, and so what a record looks like.
+/// What a record looks like: its words, whether buttons follow, and which birds share the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
+    words: usize,
+    buttons: bool,
     addresses: Vec<u8>,
 }
 
 impl Layout {
     /// Group mode: each record ends in its bird's address, which is one of `addresses`.
     #[must_use]
-    pub fn grouped(addresses: &[u8]) -> Self {
+    pub fn grouped(format: RecordFormat, addresses: &[u8]) -> Self {
         Self {
+            words: Coding::of(format).words(),
+            buttons: false,
             addresses: addresses.to_vec(),
         }
     }
 
     /// One bird alone on the line: no address.
     #[must_use]
-    pub fn standalone() -> Self {
+    pub fn standalone(format: RecordFormat) -> Self {
+        Self::grouped(format, &[])
+    }
+
+    /// The same with a button byte in each record.
+    #[must_use]
+    pub fn with_buttons(self) -> Self {
         Self {
-            addresses: Vec::new(),
+            buttons: true,
+            ..self
         }
     }
 
     /// Bytes in a record.
     #[must_use]
     pub fn record_length(&self) -> usize {
-        if self.addresses.is_empty() { 14 } else { 15 }
+        2 * self.words + usize::from(self.buttons) + usize::from(!self.addresses.is_empty())
     }
 
     /// How many birds send records.
@@ -72,36 +110,41 @@ impl Layout {
         if !phased || bytes.len() != self.record_length() {
             return None;
         }
-        let mut words = [0; 7];
-        for (word, pair) in words.iter_mut().zip(bytes.chunks_exact(2)) {
+        let (pairs, tail) = bytes.split_at(2 * self.words);
+        let mut words = Words {
+            count: self.words,
+            ..Words::default()
+        };
+        for (word, pair) in words.words.iter_mut().zip(pairs.chunks_exact(2)) {
             *word = word_from_bytes([pair[0], pair[1]]);
         }
-        let [x, y, z, q0, q1, q2, q3] = words;
+        let (buttons, tail) = match tail {
+            [buttons, tail @ ..] if self.buttons => (Some(*buttons), tail),
+            tail => (None, tail),
+        };
+        let bird = match tail {
+            [] => 1,
+            [address, ..] => self.bird(*address)?,
+        };
         Some(Record {
-            bird: match bytes.get(14) {
-                None => 1,
-                Some(&address) => self.bird(address)?,
-            },
-            words: Words {
-                position: [x, y, z],
-                quaternion: [q0, q1, q2, q3],
-            },
+            bird,
+            words,
+            buttons,
         })
     }
 
     /// Appends the record's bytes to `out`; the inverse of [`Layout::decode`].
     ///
-    /// A bird that is not on the line appends nothing.
+    /// A bird that is not on the line, and a record of another format, append nothing.
     pub fn encode(&self, record: &Record, out: &mut Vec<u8>) {
         let index = (record.bird as usize).wrapping_sub(1);
-        if index >= self.birds() {
+        if index >= self.birds() || record.words.len() != self.words {
             return;
         }
-        let Words {
-            position: [x, y, z],
-            quaternion: [q0, q1, q2, q3],
-        } = record.words;
-        encode_words(&[x, y, z, q0, q1, q2, q3], out);
+        encode_words(&record.words, out);
+        if self.buttons {
+            out.push(record.buttons.unwrap_or(0) & !PHASE);
+        }
         out.extend(self.addresses.get(index));
     }
 
@@ -110,6 +153,20 @@ impl Layout {
         let meant = if address == 0 { 1 } else { address };
         let index = self.addresses.iter().position(|&known| known == meant)?;
         u32::try_from(index + 1).ok()
+    }
+}
+
+/// Which buttons a button byte means, bit 0 the left one, 1 the middle one, 2 the right one.
+///
+/// The device sends one code for several states: the middle button hides the left one, and the
+/// right one both.
+#[must_use]
+pub fn buttons_pressed(byte: u8) -> u64 {
+    match byte & 0x70 {
+        0x70 => 0b100,
+        0x30 => 0b010,
+        0x10 => 0b001,
+        _ => 0,
     }
 }
 
@@ -150,6 +207,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const FORMAT: RecordFormat = RecordFormat::PositionQuaternion;
+
     /// The bytes of the worked position/quaternion record: bird 1, group mode.
     const WORKED: [u8; 15] = [
         0xAA, 0x15, 0x2A, 0x05, 0x0E, 0x77, 0x73, 0x3C, 0x47, 0x7D, 0x71, 0x73, 0x57, 0x70, 0x01,
@@ -157,27 +216,44 @@ mod tests {
 
     #[test]
     fn the_worked_record_has_the_worked_words() {
-        let layout = Layout::grouped(&[1, 2]);
+        let layout = Layout::grouped(FORMAT, &[1, 2]);
         let record = layout.decode(&WORKED).unwrap();
         assert_eq!(record.bird, 1);
-        assert_eq!(record.words.position, [10920, 2728, -4552]);
-        assert_eq!(record.words.quaternion, [31180, -1252, -6204, -7844]);
+        let words = [10920, 2728, -4552, 31180, -1252, -6204, -7844];
+        assert_eq!(*record.words, words);
         let mut bytes = Vec::new();
         layout.encode(&record, &mut bytes);
         assert_eq!(bytes, WORKED);
     }
 
     #[test]
+    fn a_record_with_buttons_is_the_worked_one() {
+        let bytes = [
+            0xAA, 0x15, 0x2A, 0x05, 0x0E, 0x77, 0x55, 0x0A, 0x0E, 0x07, 0x47, 0x03, 0x30, 0x02,
+        ];
+        let layout = Layout::grouped(RecordFormat::PositionAngles, &[1, 2]).with_buttons();
+        let record = layout.decode(&bytes).unwrap();
+        assert_eq!((record.bird, record.buttons), (2, Some(0x30)));
+        assert_eq!(*record.words, [10920, 2728, -4552, 5460, 3640, 1820]);
+        assert_eq!(buttons_pressed(0x30), 0b010);
+        let mut again = Vec::new();
+        layout.encode(&record, &mut again);
+        assert_eq!(again, bytes);
+    }
+
+    #[test]
     fn the_zero_pose_has_the_worked_bytes() {
-        let words = Words {
-            position: [0; 3],
-            quaternion: [word_from_share(1.0), 0, 0, 0],
+        let words = Words::new(&[0, 0, 0, word_from_share(1.0), 0, 0, 0]);
+        let record = Record {
+            bird: 1,
+            words,
+            buttons: None,
         };
         let mut bytes = Vec::new();
-        Layout::standalone().encode(&Record { bird: 1, words }, &mut bytes);
+        Layout::standalone(FORMAT).encode(&record, &mut bytes);
         assert_eq!(bytes, [0x80, 0, 0, 0, 0, 0, 0x7F, 0x3F, 0, 0, 0, 0, 0, 0]);
-        let back = Layout::standalone().decode(&bytes).unwrap();
-        assert_eq!(back.words.quaternion[0], 32764);
+        let back = Layout::standalone(FORMAT).decode(&bytes).unwrap();
+        assert_eq!(back.words[3], 32764);
     }
 
     #[test]
@@ -199,7 +275,7 @@ mod tests {
 
     #[test]
     fn address_zero_is_the_first_bird_and_strangers_are_none() {
-        let layout = Layout::grouped(&[1, 2]);
+        let layout = Layout::grouped(FORMAT, &[1, 2]);
         let with = |address| {
             let mut bytes = WORKED;
             bytes[14] = address;
@@ -209,29 +285,41 @@ mod tests {
         assert_eq!(with(2), Some(2));
         assert_eq!(with(3), None);
         // Behind an Extended Range Controller at 1, the birds are 2 and 3.
-        let erc = Layout::grouped(&[2, 3]);
+        let erc = Layout::grouped(FORMAT, &[2, 3]);
         assert_eq!(erc.decode(&WORKED), None);
+    }
+
+    #[test]
+    fn the_longest_record_is_as_long_as_said() {
+        let lengths = RecordFormat::ALL.map(|format| {
+            let layout = Layout::grouped(format, &[1]).with_buttons();
+            layout.record_length()
+        });
+        assert_eq!(lengths.into_iter().max(), Some(LONGEST_RECORD));
     }
 
     proptest! {
         #[test]
         fn decode_is_the_inverse_of_encode(
-            position in any::<[i16; 3]>(),
-            quaternion in any::<[i16; 4]>(),
-            bird in 1u32..=4,
+            words in any::<[i16; 12]>(),
+            format in 0usize..7,
+            bird in 1u32..=14,
             group in any::<bool>(),
+            buttons in proptest::option::of(0u8..0x80),
         ) {
+            let format = RecordFormat::ALL[format];
+            let addresses: Vec<u8> = (1..=14).collect();
             let layout = if group {
-                Layout::grouped(&[1, 2, 3, 4])
+                Layout::grouped(format, &addresses)
             } else {
-                Layout::standalone()
+                Layout::standalone(format)
             };
+            let layout = if buttons.is_some() { layout.with_buttons() } else { layout };
+            let words = words.map(|w| w & !3);
             let record = Record {
                 bird: if group { bird } else { 1 },
-                words: Words {
-                    position: position.map(|w| w & !3),
-                    quaternion: quaternion.map(|w| w & !3),
-                },
+                words: Words::new(&words[..Coding::of(format).words()]),
+                buttons,
             };
             let mut bytes = Vec::new();
             layout.encode(&record, &mut bytes);
@@ -240,9 +328,14 @@ mod tests {
         }
 
         #[test]
-        fn no_bytes_make_the_decoder_panic(bytes in proptest::collection::vec(any::<u8>(), 0..40)) {
-            let _ = Layout::grouped(&[1]).decode(&bytes);
-            let _ = Layout::standalone().decode(&bytes);
+        fn no_bytes_make_the_decoder_panic(
+            bytes in proptest::collection::vec(any::<u8>(), 0..40),
+            format in 0usize..7,
+        ) {
+            let format = RecordFormat::ALL[format];
+            let _ = Layout::grouped(format, &[1]).decode(&bytes);
+            let _ = Layout::grouped(format, &[1]).with_buttons().decode(&bytes);
+            let _ = Layout::standalone(format).decode(&bytes);
         }
     }
 }

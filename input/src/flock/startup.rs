@@ -3,7 +3,8 @@
 //! A plain table, so that it can be read and tested without a port. Auto-configuration resets each
 //! unit's format and scale, and must have silence on both sides; so all settings come after it.
 
-use sandtable_config::{Flock, Hemisphere, Range};
+use super::format::Coding;
+use sandtable_config::{Addressing, Flock, FlockMode, Hemisphere, Range};
 use std::time::Duration;
 
 /// One step of a start-up or a stop.
@@ -22,7 +23,7 @@ pub struct Step {
 pub enum Action {
     /// Bytes that nothing answers.
     Send(Vec<u8>),
-    /// EXAMINE the system status: [`super::SYSTEM_STATUS_LENGTH`] bytes come back.
+    /// EXAMINE the system status: [`super::system_status_length`] bytes come back.
     ExamineStatus,
     /// RTS high for the time given, then low: holds the units in reset. Without modem lines it is
     /// skipped, its silence too.
@@ -52,12 +53,15 @@ pub(crate) const RUN: u8 = b'F';
 
 pub(crate) const HEMISPHERE: u8 = b'L';
 pub(crate) const CHANGE: u8 = b'P';
-pub(crate) const POSITION_QUATERNION: u8 = b']';
+/// BUTTON MODE: whether records bring the state of the buttons.
+pub(crate) const BUTTON_MODE: u8 = b'M';
 pub(crate) const GROUP_MODE: u8 = 35;
 pub(crate) const AUTO_CONFIGURE: u8 = 50;
 pub(crate) const POSITION_SCALE: u8 = 3;
 /// RS232 TO FBB: the next command goes to the unit whose address is in the low half.
 pub(crate) const TO_UNIT: u8 = 0xF0;
+/// The same with super-expanded addresses: the unit's is the byte that follows.
+pub(crate) const TO_ADDRESS: u8 = 0xA0;
 
 /// The steps that take a rig's Flock from power-up to streaming.
 #[must_use]
@@ -98,10 +102,18 @@ pub fn startup(flock: &Flock) -> Vec<Step> {
     for unit in units {
         // Each command needs its own prefix.
         let to_unit = |bytes: &[u8]| -> Vec<u8> {
-            let prefix = unit.map(|address| TO_UNIT + address);
-            prefix.into_iter().chain(bytes.iter().copied()).collect()
+            let mut command = match (unit, flock.addressing) {
+                (None, _) => Vec::new(),
+                (Some(address), Addressing::SuperExpanded) => vec![TO_ADDRESS, address],
+                (Some(address), _) => vec![TO_UNIT + address],
+            };
+            command.extend(bytes);
+            command
         };
-        let mut bytes = to_unit(&[POSITION_QUATERNION]);
+        let mut bytes = to_unit(&[Coding::of(flock.format).command]);
+        if flock.buttons {
+            bytes.extend(to_unit(&[BUTTON_MODE, 1]));
+        }
         let [axis, sign] = hemisphere_code(flock.hemisphere);
         bytes.extend(to_unit(&[HEMISPHERE, axis, sign]));
         if flock.range == Range::Inches72 {
@@ -117,7 +129,9 @@ pub fn startup(flock: &Flock) -> Vec<Step> {
             silence: Duration::ZERO,
         });
     }
-    steps.push(send("stream", vec![STREAM], Duration::ZERO));
+    if flock.mode == FlockMode::Stream {
+        steps.push(send("stream", vec![STREAM], Duration::ZERO));
+    }
     steps
 }
 
@@ -143,7 +157,7 @@ pub fn hemisphere_code(hemisphere: Hemisphere) -> [u8; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sandtable_config::{Device, Rig};
+    use sandtable_config::{Device, RecordFormat, Rig};
 
     fn flock(edit: impl Fn(&mut Flock)) -> Flock {
         let rig = Rig::builtin("workbench").unwrap();
@@ -162,6 +176,14 @@ mod tests {
                 Action::PulseRts(_) => Vec::new(),
             })
             .collect()
+    }
+
+    fn lasting(steps: &[Step]) -> Duration {
+        let lasting = |step: &Step| match step.action {
+            Action::PulseRts(time) => time + step.silence,
+            _ => step.silence,
+        };
+        steps.iter().map(lasting).sum()
     }
 
     #[test]
@@ -214,15 +236,32 @@ mod tests {
                 .any(|w| w == [0xF2, b'P', 3, 1, 0])
         );
         // All of it stays under five seconds.
-        let pulses: Duration = steps
-            .iter()
-            .map(|s| match s.action {
-                Action::PulseRts(time) => time,
-                _ => Duration::ZERO,
-            })
-            .sum();
-        let total = pulses + steps.iter().map(|s| s.silence).sum::<Duration>();
+        let total = lasting(&steps);
         assert!(total < Duration::from_secs(5), "{total:?}");
+    }
+
+    #[test]
+    fn format_buttons_and_addressing_are_as_the_rig_says() {
+        let flock = flock(|flock| {
+            flock.birds = 1;
+            flock.range = Range::Inches36;
+            flock.hemisphere = Hemisphere::Forward;
+            flock.format = RecordFormat::PositionAngles;
+            flock.buttons = true;
+            flock.mode = FlockMode::Point;
+            flock.addressing = Addressing::SuperExpanded;
+        });
+        let expected: &[u8] = &[
+            b'B', 0x50, 0x32, 1, 0x50, 0x23, 1, 0xA0, 1, b'Y', 0xA0, 1, b'M', 1, 0xA0, 1, b'L', 0,
+            0, 0x4F, 0x24,
+        ];
+        assert_eq!(sent(&startup(&flock)), expected);
+    }
+
+    #[test]
+    fn fourteen_birds_start_within_seven_seconds() {
+        let flock = flock(|flock| flock.birds = 14);
+        assert!(lasting(&startup(&flock)) < Duration::from_secs(7));
     }
 
     #[test]

@@ -1,7 +1,16 @@
 //! What a Flock says of itself, in words.
 
-/// Bytes in the answer to EXAMINE 36 with normal addressing: one a unit.
-pub const SYSTEM_STATUS_LENGTH: usize = 14;
+use sandtable_config::Addressing;
+
+/// Bytes in the answer to EXAMINE 36: one a unit that could be there.
+#[must_use]
+pub fn system_status_length(addressing: Addressing) -> usize {
+    match addressing {
+        Addressing::Normal => 14,
+        Addressing::Expanded => 30,
+        Addressing::SuperExpanded => 126,
+    }
+}
 
 /// One unit's byte in the system status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +46,7 @@ impl UnitStatus {
 ///
 /// `units` are expected from address 1 on, birds at `birds`.
 #[must_use]
-pub fn system_status_problem(
-    status: &[u8; SYSTEM_STATUS_LENGTH],
-    units: u8,
-    birds: &[u8],
-) -> Option<String> {
+pub fn system_status_problem(status: &[u8], units: u8, birds: &[u8]) -> Option<String> {
     (1..=units).zip(status).find_map(|(address, &byte)| {
         let unit = UnitStatus(byte);
         if !unit.accessible() {
@@ -105,8 +110,8 @@ pub fn error_in_words(code: u8) -> &'static str {
 mod tests {
     use super::*;
 
-    fn status(units: &[u8]) -> [u8; SYSTEM_STATUS_LENGTH] {
-        let mut status = [0; SYSTEM_STATUS_LENGTH];
+    fn status(units: &[u8]) -> Vec<u8> {
+        let mut status = vec![0; system_status_length(Addressing::Normal)];
         status[..units.len()].copy_from_slice(units);
         status
     }

@@ -5,9 +5,9 @@
 use super::decoder::Decoder;
 use super::gate::{Gate, GateLimits};
 use super::measurement::Scale;
-use super::record::{LONGEST_RECORD, Layout, Words};
-use crate::{PoseSample, Sample, Stream, StreamCounts};
-use sandtable_config::Flock;
+use super::record::{Layout, PHASE, Record, Words, buttons_pressed};
+use crate::{ButtonsSample, PoseSample, Sample, Stream, StreamCounts};
+use sandtable_config::{Confirm, Flock};
 use sandtable_pose::{Nanos, Rigid};
 use std::time::Duration;
 
@@ -20,6 +20,9 @@ pub const FROZEN_AFTER: u32 = 100;
 pub struct FlockStream {
     decoder: Decoder,
     record_length: usize,
+    confirm: Confirm,
+    /// A record that waits for the next one's mark, and when it began.
+    unconfirmed: Option<(Record, Nanos)>,
     scale: Scale,
     limits: GateLimits,
     table_from_tracker: Rigid,
@@ -35,6 +38,9 @@ struct Bird {
     words: Option<Words>,
     equal: u32,
     newest: Nanos,
+    /// Whether the newest record's pose was let out.
+    believed: bool,
+    buttons: Option<u64>,
 }
 
 impl FlockStream {
@@ -44,6 +50,8 @@ impl FlockStream {
         let layout = layout(flock);
         Self {
             record_length: layout.record_length(),
+            confirm: flock.confirm,
+            unconfirmed: None,
             scale: Scale::of(flock),
             limits: GateLimits {
                 max_speed: flock.max_speed,
@@ -66,7 +74,32 @@ impl FlockStream {
         (1..).zip(&self.birds).find_map(missing)
     }
 
-    fn sample(&mut self, number: u32, words: &Words, began: Nanos) -> Option<PoseSample> {
+    /// Hands out what a record says.
+    fn record(&mut self, record: &Record, began: Nanos, out: &mut dyn FnMut(Sample)) {
+        if let Some(sample) = self.pose(record.bird, &record.words, began) {
+            self.counts.samples += 1;
+            out(Sample::Pose(sample));
+        }
+        if let Some(sample) = self.buttons(record) {
+            self.counts.samples += 1;
+            out(Sample::Buttons(sample));
+        }
+    }
+
+    /// The buttons, where they have changed and the record's pose was believed.
+    fn buttons(&mut self, record: &Record) -> Option<ButtonsSample> {
+        let pressed = buttons_pressed(record.buttons?);
+        let bird = self.birds.get_mut(record.bird.checked_sub(1)? as usize)?;
+        let believed = bird.believed;
+        let new = believed && bird.buttons.replace(pressed) != Some(pressed);
+        new.then_some(ButtonsSample {
+            sensor: record.bird,
+            time: bird.newest,
+            pressed,
+        })
+    }
+
+    fn pose(&mut self, number: u32, words: &Words, began: Nanos) -> Option<PoseSample> {
         let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
         if bird.words.as_ref() == Some(words) {
             bird.equal = bird.equal.saturating_add(1);
@@ -74,6 +107,7 @@ impl FlockStream {
             bird.equal = 1;
             bird.words = Some(*words);
         }
+        bird.believed = false;
         let Some(pose) = self.scale.pose(words) else {
             self.counts.implausible += 1;
             return None;
@@ -84,6 +118,7 @@ impl FlockStream {
             return None;
         }
         bird.newest = time;
+        bird.believed = true;
         Some(PoseSample {
             sensor: number,
             time,
@@ -96,22 +131,30 @@ impl FlockStream {
 impl Stream for FlockStream {
     fn push(&mut self, bytes: &[u8], arrival: Nanos, out: &mut dyn FnMut(Sample)) {
         for (index, &byte) in bytes.iter().enumerate() {
+            if let Some((record, began)) = self.unconfirmed.take() {
+                if byte & PHASE != 0 {
+                    self.record(&record, began, out);
+                } else {
+                    // A byte too many: one of this record's was sent twice, nobody knows which.
+                    self.counts.overlong_records += 1;
+                }
+            }
             let Some(record) = self.decoder.push(byte) else {
                 continue;
             };
             // The line's own speed tells when the record began, however late the bytes were read.
             let since = bytes.len() - 1 - index + self.record_length;
             let began = arrival - self.byte_time * u32::try_from(since).unwrap_or(u32::MAX);
-            let sample = self.sample(record.bird, &record.words, began);
-            self.counts.samples += u64::from(sample.is_some());
-            if let Some(sample) = sample {
-                out(Sample::Pose(sample));
+            match self.confirm {
+                Confirm::Immediate => self.record(&record, began, out),
+                Confirm::NextMark => self.unconfirmed = Some((record, began)),
             }
         }
     }
 
     fn restart(&mut self) {
         self.decoder.restart();
+        self.unconfirmed = None;
         for bird in &mut self.birds {
             *bird = Bird {
                 newest: bird.newest,
@@ -135,18 +178,23 @@ impl Stream for FlockStream {
 /// What a rig's Flock sends.
 #[must_use]
 pub fn layout(flock: &Flock) -> Layout {
-    if flock.group {
-        Layout::grouped(&flock.addresses())
+    let layout = if flock.group {
+        Layout::grouped(flock.format, &flock.addresses())
     } else {
-        Layout::standalone()
+        Layout::standalone(flock.format)
+    };
+    if flock.buttons {
+        layout.with_buttons()
+    } else {
+        layout
     }
 }
 
 /// From one record of a bird to the next: the measuring cycle, or what the line can carry.
 #[must_use]
 pub fn record_period(flock: &Flock) -> Duration {
-    let records = flock.birds * LONGEST_RECORD as u32;
-    (byte_time(flock.baud) * records).max(Duration::from_millis(10))
+    let bytes = flock.birds * layout(flock).record_length() as u32;
+    (byte_time(flock.baud) * bytes).max(Duration::from_millis(10))
 }
 
 /// How long a byte is on the line: a start bit, eight bits, a stop bit.
@@ -157,7 +205,6 @@ fn byte_time(baud: u32) -> Duration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flock::record::Record;
     use glam::{DQuat, DVec3};
     use sandtable_config::{Device, Rig};
 
@@ -176,7 +223,12 @@ mod tests {
                 for bird in 1..=2 {
                     let pose = path(bird, cycle);
                     let words = scale.words(&pose);
-                    layout.encode(&Record { bird, words }, &mut bytes);
+                    let record = Record {
+                        bird,
+                        words,
+                        buttons: None,
+                    };
+                    layout.encode(&record, &mut bytes);
                 }
                 (Nanos(u64::from(cycle) * 9_680_000 + 5_000_000), bytes)
             })

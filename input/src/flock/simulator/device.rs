@@ -1,12 +1,16 @@
 //! The simulated device: what a Flock answers, byte for byte, by a clock that is handed in.
 
-use super::format::Format;
 use super::{Faults, SimulatorSettings};
+use crate::flock::format::{Coding, format_of_command};
+use crate::flock::measurement::Scale;
 use crate::flock::record::encode_words;
 use crate::flock::startup::{
-    AUTO_CONFIGURE, CHANGE, GROUP_MODE, HEMISPHERE, POINT, POSITION_SCALE, RUN, SLEEP, STREAM,
+    AUTO_CONFIGURE, BUTTON_MODE, CHANGE, GROUP_MODE, HEMISPHERE, POINT, POSITION_SCALE, RUN, SLEEP,
+    STREAM, TO_ADDRESS, TO_UNIT,
 };
+use crate::flock::status::system_status_length;
 use glam::DVec3;
+use sandtable_config::{Addressing, QuaternionSign, Range, RecordFormat};
 use sandtable_pose::Rigid;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -23,6 +27,8 @@ pub struct SimulatedFlock {
     /// The command that is being received, with the unit that it is for.
     command: Vec<u8>,
     unit: Option<usize>,
+    /// The next byte is a super-expanded address.
+    addressed: bool,
     errors: VecDeque<u8>,
     stream: Option<Stream>,
     /// When the first stream began: motions count from here.
@@ -34,9 +40,12 @@ pub struct SimulatedFlock {
 
 #[derive(Clone, Copy, Debug)]
 struct Unit {
-    format: Format,
+    /// Whether it is an Extended Range Controller, which has no sensor.
+    controller: bool,
+    format: RecordFormat,
     full_scale: f64,
     hemisphere: [u8; 2],
+    buttons: bool,
     running: bool,
 }
 
@@ -49,12 +58,23 @@ struct Stream {
 }
 
 impl Unit {
-    fn powered_up() -> Self {
+    fn powered_up(range: Range, controller: bool) -> Self {
         Self {
-            format: Format::POWER_UP,
-            full_scale: 36.0 * 0.0254,
+            controller,
+            format: RecordFormat::PositionAngles,
+            full_scale: range.metres(),
             hemisphere: [0, 0],
+            buttons: false,
             running: false,
+        }
+    }
+
+    /// How it codes what it measures; it derives quaternions from the transposed matrix.
+    fn scale(&self) -> Scale {
+        Scale {
+            format: self.format,
+            full_scale: self.full_scale,
+            quaternion: QuaternionSign::Conjugate,
         }
     }
 
@@ -85,14 +105,14 @@ impl SimulatedFlock {
     /// A Flock that has just been switched on.
     #[must_use]
     pub fn new(settings: SimulatorSettings) -> Self {
-        let birds = settings.birds.clamp(1, 4) as usize;
         Self {
-            units: vec![Unit::powered_up(); birds],
+            units: switched_on(&settings),
             group: false,
             configured: false,
             busy_until: Duration::ZERO,
             command: Vec::new(),
             unit: None,
+            addressed: false,
             errors: VecDeque::new(),
             stream: None,
             epoch: None,
@@ -111,8 +131,11 @@ impl SimulatedFlock {
                 self.unit = None;
                 continue;
             }
-            if self.command.is_empty() && byte & 0xF0 == 0xF0 {
-                self.unit = usize::from(byte & 0x0F).checked_sub(1);
+            if std::mem::take(&mut self.addressed) {
+                self.unit = usize::from(byte).checked_sub(1);
+                continue;
+            }
+            if self.command.is_empty() && self.is_prefix(byte) {
                 continue;
             }
             self.command.push(byte);
@@ -133,6 +156,18 @@ impl SimulatedFlock {
                 }
             }
         }
+    }
+
+    /// Whether a byte says which unit the next command is for.
+    fn is_prefix(&mut self, byte: u8) -> bool {
+        let address = usize::from(byte & 0x0F);
+        match (byte & 0xF0, self.settings.addressing) {
+            (TO_UNIT, _) => self.unit = address.checked_sub(1),
+            (0xE0, Addressing::Expanded) => self.unit = Some(address + 15),
+            (TO_ADDRESS, Addressing::SuperExpanded) => self.addressed = true,
+            _ => return false,
+        }
+        true
     }
 
     /// The bytes that the line has carried by `now` and not given before.
@@ -229,13 +264,15 @@ impl SimulatedFlock {
         let frozen = freeze_at.is_some_and(|from| time >= from);
         let time = freeze_at.map_or(time, |from| time.min(from));
         let mut bytes = Vec::new();
-        for (unit, address) in self.units.iter().zip(1u8..) {
-            if !unit.running || (!self.group && address > 1) {
+        let sensors = self.units.iter().zip(1u8..);
+        let sensors = sensors.filter(|(unit, _)| !unit.controller);
+        for ((unit, address), bird) in sensors.zip(1u32..) {
+            if !unit.running || (!self.group && bird > 1) {
                 continue;
             }
-            let motion = self.settings.motion(u32::from(address));
-            let pose = motion.pose(u32::from(address), time.as_secs_f64());
-            let mut words = unit.format.words(&unit.measured(pose), unit.full_scale);
+            let motion = self.settings.motion(bird);
+            let pose = motion.pose(bird, time.as_secs_f64());
+            let mut words = unit.scale().words(&unit.measured(pose)).to_vec();
             if !frozen
                 && cycle % FLICKER == FLICKER - 1
                 && let Some(word) = words.first_mut()
@@ -243,6 +280,9 @@ impl SimulatedFlock {
                 *word ^= 4;
             }
             encode_words(&words, &mut bytes);
+            if unit.buttons {
+                bytes.push(self.settings.buttons & 0x70);
+            }
             if self.group {
                 bytes.push(address);
             }
@@ -265,20 +305,24 @@ impl SimulatedFlock {
                 if usize::from(units) > self.units.len() {
                     self.error(13);
                 }
-                self.units.fill(Unit {
-                    running: true,
-                    ..Unit::powered_up()
-                });
+                self.units = switched_on(&self.settings);
+                self.units.iter_mut().for_each(|unit| unit.running = true);
                 self.configured = true;
                 self.busy_until = now + self.settings.auto_configuration;
             }
             [CHANGE, GROUP_MODE, on] => self.group = on != 0,
-            [CHANGE, POSITION_SCALE, wide, _] => {
-                let inches = if wide == 0 { 36.0 } else { 72.0 };
-                self.units[unit].full_scale = inches * 0.0254;
+            // A controller's birds have its own range.
+            [CHANGE, POSITION_SCALE, wide, _] if self.settings.erc_address.is_none() => {
+                let range = if wide == 0 {
+                    Range::Inches36
+                } else {
+                    Range::Inches72
+                };
+                self.units[unit].full_scale = range.metres();
             }
+            [BUTTON_MODE, on] => self.units[unit].buttons = on != 0,
             [command] => {
-                if let Some(format) = Format::of_command(command)
+                if let Some(format) = format_of_command(command)
                     && !self.settings.faults.keep_format
                 {
                     self.units[unit].format = format;
@@ -317,7 +361,7 @@ impl SimulatedFlock {
         let bird = &self.units[unit];
         let answer = match parameter {
             0 => {
-                let status = bird.format.number << 1
+                let status = Coding::of(bird.format).number << 1
                     | u16::from(!bird.running) << 5
                     | u16::from(bird.running) << 12
                     | u16::from(!self.errors.is_empty()) << 13
@@ -330,16 +374,24 @@ impl SimulatedFlock {
             3 => vec![u8::from(bird.full_scale > 1.0), 0],
             6 => RATE_COUNT.to_vec(),
             10 => vec![self.errors.pop_front().unwrap_or(0)],
+            15 if bird.controller => b"6DERC     ".to_vec(),
             15 => b"6DFOB     ".to_vec(),
-            19 => vec![0],
+            19 => vec![match self.settings.addressing {
+                Addressing::Normal => 0,
+                Addressing::Expanded => 1,
+                Addressing::SuperExpanded => 3,
+            }],
             21 => vec![unit as u8 + 1],
             22 => bird.hemisphere.to_vec(),
             35 => vec![u8::from(self.group)],
             36 => {
-                let mut status = vec![0; 14];
+                let mut status = vec![0; system_status_length(self.settings.addressing)];
                 for (i, (byte, unit)) in status.iter_mut().zip(&self.units).enumerate() {
-                    // Accessible, with a sensor; the first one with the transmitter.
-                    *byte = 0xA0 | u8::from(unit.running) << 6 | u8::from(i == 0);
+                    // Accessible, with a sensor or the controller's transmitter; without a
+                    // controller the first one has the transmitter.
+                    let kind = if unit.controller { 0x11 } else { 0x20 };
+                    let transmitter = i == 0 && self.settings.erc_address.is_none();
+                    *byte = 0x80 | kind | u8::from(unit.running) << 6 | u8::from(transmitter);
                 }
                 status
             }
@@ -353,6 +405,21 @@ impl SimulatedFlock {
             self.errors.push_back(code);
         }
     }
+}
+
+/// The units that a Flock of these settings has, just switched on.
+fn switched_on(settings: &SimulatorSettings) -> Vec<Unit> {
+    let birds = settings.birds.clamp(1, 14);
+    let range = match settings.erc_address {
+        Some(_) => Range::Inches144,
+        None => Range::Inches36,
+    };
+    let mut units = vec![Unit::powered_up(range, false); birds as usize];
+    if let Some(address) = settings.erc_address {
+        let place = (address.clamp(1, birds + 1) - 1) as usize;
+        units.insert(place, Unit::powered_up(range, true));
+    }
+    units
 }
 
 /// How many bytes the command has that begins so, or `None` where there is none.
@@ -383,8 +450,7 @@ fn command_length(begun: &[u8]) -> Option<usize> {
 mod tests {
     use super::super::Motion;
     use super::*;
-    use crate::flock::{Decoder, Layout, Scale};
-    use sandtable_config::{QuaternionSign, Range};
+    use crate::flock::{Decoder, Layout};
 
     fn ms(ms: u64) -> Duration {
         Duration::from_millis(ms)
@@ -478,7 +544,10 @@ mod tests {
                 ..three()
             });
             let bytes = flock.send(ms(2000));
-            let mut decoder = Decoder::new(Layout::grouped(&[1, 2, 3]));
+            let mut decoder = Decoder::new(Layout::grouped(
+                RecordFormat::PositionQuaternion,
+                &[1, 2, 3],
+            ));
             let records: Vec<_> = bytes.iter().filter_map(|&b| decoder.push(b)).collect();
             let of_bird_1: Vec<_> = records.iter().filter(|r| r.bird == 1).collect();
             let odd = of_bird_1
@@ -497,8 +566,10 @@ mod tests {
         flock.send(ms(1200));
         flock.receive(b"B", ms(1200));
         let bytes = flock.send(ms(1300));
-        let record = Layout::grouped(&[1, 2, 3]).decode(&bytes[..15]).unwrap();
-        let pose = Scale::new(Range::Inches36, QuaternionSign::Conjugate)
+        let record = Layout::grouped(RecordFormat::PositionQuaternion, &[1, 2, 3])
+            .decode(&bytes[..15])
+            .unwrap();
+        let pose = Scale::new(Range::Inches36, RecordFormat::PositionQuaternion)
             .pose(&record.words)
             .unwrap();
         assert!((pose.translation.z - 5.0 * 0.0254).abs() < 2e-4);
@@ -513,6 +584,56 @@ mod tests {
         assert_eq!(flock.send(ms(500)), [0]);
         flock.receive(&[0x01, 0x4F, 10, 0x4F, 10], ms(500));
         assert_eq!(flock.send(ms(600)), [INVALID_COMMAND, 0]);
+    }
+
+    #[test]
+    fn a_controller_starts_as_a_well_known_host_starts_it() {
+        let mut flock = SimulatedFlock::new(SimulatorSettings {
+            birds: 2,
+            erc_address: Some(1),
+            ..three()
+        });
+        flock.receive(&[0x50, 0x32, 3], ms(100));
+        let settings = [
+            0x50, 0x23, 1, 0xF2, 0x5D, 0xF3, 0x5D, 0xF2, 0x4C, 0x0C, 1, 0xF3, 0x4C, 0x0C, 1, 0x4F,
+            0x24,
+        ];
+        flock.receive(&settings, ms(500));
+        assert_eq!(flock.send(ms(600))[..4], [0xD1, 0xE0, 0xE0, 0]);
+        flock.receive(b"@", ms(700));
+        let bytes = flock.send(ms(705));
+        // The range is the controller's, and the birds' addresses follow its own.
+        let layout = Layout::grouped(RecordFormat::PositionQuaternion, &[2, 3]);
+        let scale = Scale::new(Range::Inches144, RecordFormat::PositionQuaternion);
+        let record = layout.decode(&bytes[..15]).unwrap();
+        let pose = scale.pose(&record.words).unwrap();
+        assert_eq!((record.bird, bytes[29]), (1, 3));
+        assert!((pose.translation.x - 12.0 * 0.0254).abs() < 5e-4);
+    }
+
+    #[test]
+    fn expanded_addresses_and_buttons_are_understood() {
+        for (addressing, prefix, length) in [
+            (Addressing::Normal, [0xF1].as_slice(), 14),
+            (Addressing::Expanded, &[0xF1], 30),
+            (Addressing::SuperExpanded, &[0xA0, 1], 126),
+        ] {
+            let mut flock = SimulatedFlock::new(SimulatorSettings {
+                addressing,
+                buttons: 0x30,
+                ..three()
+            });
+            flock.receive(&[0x50, 0x32, 3], ms(100));
+            flock.receive(&[0x50, 0x23, 1], ms(500));
+            for command in [[b'Y'].as_slice(), &[b'M', 1]] {
+                flock.receive(&[prefix, command].concat(), ms(510));
+            }
+            flock.receive(&[0x4F, 0x24], ms(520));
+            assert_eq!(flock.send(ms(600)).len(), length);
+            flock.receive(b"B", ms(600));
+            let bytes = flock.send(ms(610));
+            assert_eq!(bytes[12..14], [0x30, 1], "{addressing:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,6 @@
 //! runs one on a pseudo-terminal, so that the real driver can open it as it would a serial port.
 
 mod device;
-mod format;
 mod motion;
 #[cfg(unix)]
 mod pty;
@@ -14,13 +13,20 @@ pub use motion::Motion;
 #[cfg(unix)]
 pub use pty::{Simulator, SimulatorError};
 
+use sandtable_config::Addressing;
 use std::time::Duration;
 
 /// What is simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatorSettings {
-    /// How many birds, 1 to 4.
+    /// How many birds, 1 to 14.
     pub birds: u32,
+    /// The address of an Extended Range Controller, if there is one; the birds take the others.
+    pub erc_address: Option<u32>,
+    /// How units are addressed.
+    pub addressing: Addressing,
+    /// What the button byte says where the host has asked for it: 0x10, 0x30 or 0x70.
+    pub buttons: u8,
     /// Bits a second: the stream is no faster than this line would carry it.
     pub baud: u32,
     /// Measuring cycles a second, 1 to 1000.
@@ -38,6 +44,9 @@ impl Default for SimulatorSettings {
     fn default() -> Self {
         Self {
             birds: 2,
+            erc_address: None,
+            addressing: Addressing::Normal,
+            buttons: 0,
             baud: 115_200,
             cycle_rate: 103.3,
             motions: vec![Motion::Still],
