@@ -5,7 +5,7 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
-use sandtable_config::{Device, Rig, SensorName};
+use sandtable_config::{Confirm, Device, Flock, FlockMode, RecordFormat, Rig, SensorName};
 use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
 use sandtable_input::{Clock, Condition, Devices, Hub, Recorder, Replay};
 use sandtable_pose::{Nanos, Pose, Rigid, Validity};
@@ -26,6 +26,24 @@ fn rig(port: &Path) -> Rig {
     flock.silence_before = Duration::from_millis(50);
     flock.silence_after = Duration::from_millis(80);
     rig
+}
+
+/// The same with one bird that stands alone.
+fn lone_rig(port: &Path) -> Rig {
+    let text = Rig::builtin_text("workbench").unwrap();
+    let text = text
+        .replace("birds = 2", "birds = 1")
+        .replace("group = true", "group = false")
+        .replace("flock/2", "flock/1");
+    let mut lone = Rig::parse(&text, "a bird alone").unwrap();
+    lone.set_port("flock", port).unwrap();
+    if let (Some(Device::Flock(to)), Device::Flock(from)) =
+        (lone.devices.get_mut("flock"), &rig(port).devices["flock"])
+    {
+        to.silence_before = from.silence_before;
+        to.silence_after = from.silence_after;
+    }
+    lone
 }
 
 fn settings() -> SimulatorSettings {
@@ -207,6 +225,146 @@ fn every_fiftieth_byte_lost_lets_no_wrong_pose_out() {
             );
         }
     }
+}
+
+/// Damages a record in every way at each of its places, and checks every pose that comes out.
+fn damage_everywhere(baud: u32, group: bool, edit: impl FnOnce(&mut Flock)) {
+    const EVERY: u64 = 8;
+    let motion = Motion::named("circle").unwrap();
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            birds: if group { 2 } else { 1 },
+            baud,
+            motions: vec![motion],
+            faults: Faults {
+                damage_every: Some(EVERY),
+                ..Faults::default()
+            },
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let mut rig = if group {
+        rig(simulator.path())
+    } else {
+        lone_rig(simulator.path())
+    };
+    let Some(Device::Flock(flock)) = rig.devices.get_mut("flock") else {
+        panic!("the workbench has a Flock");
+    };
+    flock.baud = baud;
+    edit(flock);
+    let length = sandtable_input::flock::layout(flock).record_length() as u64;
+    let session = Session::start_recorded(rig, Clock::start(), None);
+    // Each way at each place, and the records between them.
+    let damages = 2 * length;
+    let counts = wait_for("as many records as are damaged and between", || {
+        let counts = session.devices.states().remove(0).counts;
+        (counts.records >= EVERY * (damages + 2)).then_some(counts)
+    });
+    let birds = if group { 2 } else { 1 };
+    let mut poses = 0;
+    for number in 1..=birds {
+        for pose in session.poses_since(number, Nanos(0)) {
+            let off = off_path(&session, motion, number, &pose);
+            assert!(
+                off < 2e-3,
+                "bird {number} was never within {off} m of there"
+            );
+            poses += 1;
+        }
+    }
+    // A damaged record takes at most its follower along, and each bird's first waits for its second.
+    let fewest = counts.records - damages - 8;
+    assert!(poses >= fewest, "{poses} poses of {counts:?}");
+    session.devices.stop();
+    simulator.stop();
+}
+
+#[test]
+fn a_group_damaged_everywhere_lets_no_wrong_pose_out_on_a_fast_line() {
+    damage_everywhere(115_200, true, |_| {});
+}
+
+#[test]
+fn a_group_damaged_everywhere_lets_no_wrong_pose_out_on_a_slow_line() {
+    damage_everywhere(9600, true, |_| {});
+}
+
+#[test]
+fn a_bird_alone_damaged_everywhere_lets_no_wrong_pose_out_on_a_fast_line() {
+    damage_everywhere(115_200, false, |_| {});
+}
+
+#[test]
+fn a_bird_alone_damaged_everywhere_lets_no_wrong_pose_out_on_a_slow_line() {
+    damage_everywhere(9600, false, |_| {});
+}
+
+#[test]
+fn confirmed_records_of_another_format_survive_damage_too() {
+    damage_everywhere(115_200, true, |flock| {
+        flock.format = RecordFormat::PositionMatrix;
+        flock.buttons = true;
+        flock.confirm = Confirm::NextMark;
+    });
+}
+
+#[test]
+fn records_that_are_asked_for_come_one_by_one() {
+    let motion = Motion::named("circle").unwrap();
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            motions: vec![motion],
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let mut rig = rig(simulator.path());
+    if let Some(Device::Flock(flock)) = rig.devices.get_mut("flock") {
+        flock.mode = FlockMode::Point;
+    }
+    let session = Session::start_recorded(rig, Clock::start(), None);
+    wait_until_live(&session);
+    let from = session.now();
+    wait_for("a hundred poses", || {
+        (session.poses_since(1, from).len() >= 100).then_some(())
+    });
+    // Not faster than they are measured.
+    let lasted = session.now().since(from);
+    assert!(lasted >= Duration::from_millis(900), "{lasted:?}");
+    session.devices.stop();
+    simulator.stop();
+}
+
+#[test]
+fn flow_controls_own_bytes_are_data() {
+    // Words of the bytes 0x11 and 0x13, XON and XOFF, in x and y.
+    let inches = |word: u16| f64::from(word) * 72.0 / 32768.0;
+    let (x, y) = (inches(0x11 << 9 | 0x13 << 2), inches(0x13 << 9 | 0x11 << 2));
+    let held = Motion::hold([x, y, -20.0], [0.0; 3]);
+    let simulator = Simulator::start(
+        SimulatorSettings {
+            motions: vec![held],
+            ..settings()
+        },
+        None,
+    )
+    .unwrap();
+    let session = Session::start(simulator.path());
+    wait_until_live(&session);
+    wait_for("a hundred poses", || {
+        (session.poses_since(1, Nanos(0)).len() >= 100).then_some(())
+    });
+    let sent = session.expected(held, 1, 0.0);
+    for pose in session.poses_since(1, Nanos(0)) {
+        let off = pose.frame_from_body.translation - sent.translation;
+        assert!(off.abs().max_element() < 3e-4, "{off}");
+    }
+    session.devices.stop();
+    simulator.stop();
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Faults, SimulatorSettings};
 use crate::flock::format::{Coding, format_of_command};
 use crate::flock::measurement::Scale;
-use crate::flock::record::encode_words;
+use crate::flock::record::{PHASE, encode_words};
 use crate::flock::startup::{
     AUTO_CONFIGURE, BUTTON_MODE, CHANGE, GROUP_MODE, HEMISPHERE, POINT, POSITION_SCALE, RUN, SLEEP,
     STREAM, TO_ADDRESS, TO_UNIT,
@@ -36,6 +36,7 @@ pub struct SimulatedFlock {
     line: VecDeque<u8>,
     line_free: Duration,
     stream_bytes: u64,
+    stream_records: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -119,6 +120,7 @@ impl SimulatedFlock {
             line: VecDeque::new(),
             line_free: Duration::ZERO,
             stream_bytes: 0,
+            stream_records: 0,
             settings,
         }
     }
@@ -245,15 +247,22 @@ impl SimulatedFlock {
             return;
         }
         let bytes = self.records(time, u64::from(cycle));
-        for byte in bytes {
-            self.stream_bytes += 1;
-            let dropped = self
-                .settings
+        for record in bytes.chunk_by(|_, next| next & PHASE == 0) {
+            self.stream_records += 1;
+            let mut record = record.to_vec();
+            self.settings
                 .faults
-                .drop_every
-                .is_some_and(|n| n > 0 && self.stream_bytes.is_multiple_of(n));
-            if !dropped {
-                self.queue(&[byte], due);
+                .damage(self.stream_records, &mut record);
+            for byte in record {
+                self.stream_bytes += 1;
+                let dropped = self
+                    .settings
+                    .faults
+                    .drop_every
+                    .is_some_and(|n| n > 0 && self.stream_bytes.is_multiple_of(n));
+                if !dropped {
+                    self.queue(&[byte], due);
+                }
             }
         }
     }

@@ -13,6 +13,7 @@ pub use motion::Motion;
 #[cfg(unix)]
 pub use pty::{Simulator, SimulatorError};
 
+use super::record::PHASE;
 use sandtable_config::Addressing;
 use std::time::Duration;
 
@@ -71,6 +72,9 @@ impl SimulatorSettings {
 pub struct Faults {
     /// Every Nth byte of the stream is lost.
     pub drop_every: Option<u64>,
+    /// Every Nth record of the stream is damaged: its first byte is lost, the next time its
+    /// second, and so on, and then one byte's phase bit after the other is the wrong way round.
+    pub damage_every: Option<u64>,
     /// Silences: from when, and for how long.
     pub stalls: Vec<(Duration, Duration)>,
     /// From here on every record is the same to the bit.
@@ -80,6 +84,22 @@ pub struct Faults {
 }
 
 impl Faults {
+    /// Does to the stream's record `number`, from 1, what is asked for.
+    fn damage(&self, number: u64, record: &mut Vec<u8>) {
+        let Some(every) = self.damage_every.filter(|&every| every > 0) else {
+            return;
+        };
+        if number.is_multiple_of(every) && !record.is_empty() {
+            let damage = (number / every - 1) as usize % (2 * record.len());
+            match damage.checked_sub(record.len()) {
+                None => {
+                    record.remove(damage);
+                }
+                Some(place) => record[place] ^= PHASE,
+            }
+        }
+    }
+
     fn stalled(&self, time: Duration) -> bool {
         self.stalls
             .iter()
