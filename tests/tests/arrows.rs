@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Each crate and the crates of ours that it may use. `sandtable` and `sandtable-tests` may use
 /// all; only they are used by nobody.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("sandtable-pose", &[]),
     ("sandtable-config", &["sandtable-pose"]),
     ("sandtable-input", &["sandtable-config", "sandtable-pose"]),
+    ("sandtable-motion", &["sandtable-pose"]),
     ("sandtable-view", &["sandtable-pose"]),
     ("sandtable-terrain", &[]),
     ("sandtable-cast", &["sandtable-terrain", "sandtable-view"]),
