@@ -30,6 +30,7 @@ mod error;
 mod fields;
 mod rig;
 mod rigid;
+mod sensor;
 mod viewing;
 
 pub use body::{Eyes, Hand, Head, SensorName};
@@ -39,4 +40,5 @@ pub use device::{
 };
 pub use error::RigError;
 pub use rig::Rig;
+pub use sensor::SensorSettings;
 pub use viewing::{Desktop, Measure, Stereo, StereoMode, Table, Viewing};

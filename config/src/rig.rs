@@ -4,6 +4,7 @@ use crate::body::{read_hand, read_head};
 use crate::controls::{read_flight, read_gamepad};
 use crate::device::{port_remedy, read_device};
 use crate::fields::{Fields, Source, Value, nearest};
+use crate::sensor::{SensorSettings, read_sensor_settings};
 use crate::viewing::{read_stereo, read_viewing};
 use crate::{Device, Flight, GamepadMapping, Hand, Head, RigError, SensorName, Stereo, Viewing};
 use std::collections::BTreeMap;
@@ -26,6 +27,8 @@ pub struct Rig {
     pub hand: Option<Hand>,
     /// The devices by name.
     pub devices: BTreeMap<String, Device>,
+    /// What is set for single sensors.
+    pub sensors: BTreeMap<SensorName, SensorSettings>,
     /// How fast one flies.
     pub flight: Flight,
     /// What the gamepad's sticks mean.
@@ -111,6 +114,7 @@ impl Rig {
             .get("hand")
             .map(|value| read_hand(&value, sensor))
             .transpose()?;
+        let sensors = read_sensors(&root, &devices)?;
         let flight = read_flight(&root)?;
         let gamepad = read_gamepad(&root)?;
         root.finish()?;
@@ -121,6 +125,7 @@ impl Rig {
             head,
             hand,
             devices,
+            sensors,
             flight,
             gamepad,
             text: text.to_owned(),
@@ -226,13 +231,42 @@ fn read_devices(root: &Fields<'_>) -> Result<BTreeMap<String, Device>, RigError>
     Ok(devices)
 }
 
+/// The table `sensors`, in which each key is a sensor's name.
+fn read_sensors(
+    root: &Fields<'_>,
+    devices: &BTreeMap<String, Device>,
+) -> Result<BTreeMap<SensorName, SensorSettings>, RigError> {
+    let mut sensors = BTreeMap::new();
+    let Some(value) = root.get("sensors") else {
+        return Ok(sensors);
+    };
+    let fields = value.fields()?;
+    for key in fields.keys() {
+        if let Some(value) = fields.get(&key) {
+            let name = sensor_name(&key, &value, devices)?;
+            sensors.insert(name, read_sensor_settings(&value)?);
+        }
+    }
+    fields.finish()?;
+    Ok(sensors)
+}
+
 /// `flock/1`: a device of this rig, and one of its sensors.
 fn read_sensor(
     value: &Value<'_>,
     devices: &BTreeMap<String, Device>,
 ) -> Result<SensorName, RigError> {
-    let remedy = "write a device of this rig and its sensor's number, as \"flock/1\"";
     let text = value.text("a sensor such as \"flock/1\"")?;
+    sensor_name(text, value, devices)
+}
+
+/// The sensor that `text` names; `value` is what is wrong where there is none.
+fn sensor_name(
+    text: &str,
+    value: &Value<'_>,
+    devices: &BTreeMap<String, Device>,
+) -> Result<SensorName, RigError> {
+    let remedy = "write a device of this rig and its sensor's number, as \"flock/1\"";
     let problem = format!("is {text:?}");
     let Some((device, number)) = text.split_once('/') else {
         return Err(value.error(&problem, remedy));

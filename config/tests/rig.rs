@@ -8,7 +8,9 @@ use glam::{DQuat, DVec3};
 use sandtable_config::{
     Device, GamepadAxis, Hemisphere, Measure, Range, Rig, RigError, StereoMode, Viewing,
 };
+use sandtable_motion::{Derivative, OneEuroSettings, Prediction, Smoothing};
 use std::path::Path;
+use std::time::Duration;
 
 fn workbench() -> String {
     Rig::builtin_text("workbench").unwrap().to_owned()
@@ -292,6 +294,59 @@ fn no_cut_or_altered_text_panics() {
         let _ = Rig::parse(&text[..cut], "cut");
         let _ = Rig::parse(&format!("{}9{}", &text[..cut], &text[cut..]), "altered");
     }
+}
+
+#[test]
+fn sensors_are_smoothed_and_predicted_as_their_tables_say() {
+    let parse = |table: &str| {
+        let text = format!("{}\n[sensors.\"flock/1\"]\n{table}", workbench());
+        Rig::parse(&text, "sensors")
+    };
+    let rig = parse(
+        "smoothing = { kind = \"one-euro\", position = { beta = 40.0, derivative = \"from-raw\" } }\n\
+         prediction = { kind = \"double-exponential\", position_ms = 30.0, horizon_ms = 40.0 }\n\
+         ahead_ms = 35.0",
+    );
+    let rig = rig.unwrap();
+    let (name, settings) = rig.sensors.first_key_value().unwrap();
+    assert_eq!(name.to_string(), "flock/1");
+    assert_eq!(settings.ahead.as_millis(), 35);
+    let Smoothing::OneEuro { position, attitude } = settings.filter.smoothing else {
+        panic!("{settings:?}");
+    };
+    assert_eq!(
+        (position.beta, position.derivative),
+        (40.0, Derivative::FromRaw)
+    );
+    assert_eq!(attitude, OneEuroSettings::ATTITUDE);
+    let thirty = Duration::from_millis(30);
+    assert_eq!(
+        settings.filter.prediction,
+        Prediction::DoubleExponential {
+            position: thirty,
+            attitude: thirty,
+            horizon: Duration::from_millis(40),
+        }
+    );
+    for (table, said) in [
+        (
+            "smoothing = { kind = \"one-evro\" }",
+            "did you mean \"one-euro\"?",
+        ),
+        (
+            "prediction = { kind = \"constant-velocity\" }",
+            "such as 30",
+        ),
+        ("smoothing = { kind = \"one-euro\", beta = 1.0 }", "beta"),
+        ("ahead_ms = 500.0", "0 to 200 milliseconds"),
+        ("gap_ms = nan", "gap_ms"),
+    ] {
+        let error = parse(table).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    let text = workbench() + "\n[sensors.\"flock/3\"]\nahead_ms = 1.0";
+    let error = Rig::parse(&text, "sensors").unwrap_err().to_string();
+    assert!(error.contains("the sensors 1 to 2"), "{error}");
 }
 
 #[test]

@@ -6,7 +6,8 @@
 
 use crate::flock::record_period;
 use crate::{AxesSample, ButtonsSample, HandState, PoseSample, Sample};
-use sandtable_config::{Device, Rig, SensorName};
+use sandtable_config::{Device, Rig, SensorName, SensorSettings};
+use sandtable_motion::{Estimate, FilterSettings, TrackerFilter};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -23,6 +24,9 @@ pub struct Hub {
 struct Sensor {
     held_after: Duration,
     lost_after: Duration,
+    /// From when a pose is asked for to the middle of its picture's time on the glass.
+    ahead: Duration,
+    filter: Mutex<TrackerFilter>,
     poses: History<PoseSample, 512>,
     buttons: History<ButtonsSample, 128>,
     axes: History<AxesSample, 128>,
@@ -37,20 +41,23 @@ impl Hub {
     /// A hub for all sensors of a rig, of which nothing is known yet.
     #[must_use]
     pub fn for_rig(rig: &Rig) -> Self {
-        let sensors = |device: &Device| {
+        let sensors = |(name, device): (&String, &Device)| {
             let Device::Flock(flock) = device;
             // A slow line brings records less often than a pose may be old.
             let held_after = flock.held_after.max(3 * record_period(flock));
             let lost_after = flock.lost_after.max(held_after);
-            let sensor = |_| Sensor::new(held_after, lost_after);
-            (0..device.sensors()).map(sensor).collect()
+            let sensor = |number| {
+                let sensor = SensorName {
+                    device: name.clone(),
+                    number,
+                };
+                let settings = rig.sensors.get(&sensor).copied().unwrap_or_default();
+                Sensor::new(settings, held_after, lost_after)
+            };
+            (name.clone(), (1..=device.sensors()).map(sensor).collect())
         };
         Self {
-            devices: rig
-                .devices
-                .iter()
-                .map(|(name, device)| (name.clone(), sensors(device)))
-                .collect(),
+            devices: rig.devices.iter().map(sensors).collect(),
         }
     }
 
@@ -60,7 +67,12 @@ impl Hub {
             return;
         };
         match sample {
-            Sample::Pose(sample) => sensor.poses.push(sample),
+            Sample::Pose(sample) => {
+                sensor.poses.push(sample);
+                sensor
+                    .lock_filter()
+                    .push(&sensor.pose(&sample, sample.time));
+            }
             Sample::Buttons(sample) => sensor.buttons.push(sample),
             Sample::Axes(sample) => sensor.axes.push(sample),
             Sample::Hand(sample) => sensor.hands.push((sample.time, sample.hand)),
@@ -76,6 +88,15 @@ impl Hub {
         let sensor = self.named(sensor)?;
         let sample = sensor.poses.at(time, |sample| sample.time)?;
         Some(sensor.pose(&sample, time))
+    }
+
+    /// Where the sensor will be when a picture that is begun at `now` is on the glass, smoothed and
+    /// predicted as the rig says, with its velocity and age; `None` where it has had no pose or is
+    /// unknown. Of all samples so far, the newest counts.
+    #[must_use]
+    pub fn estimate_at(&self, sensor: &SensorName, now: Nanos) -> Option<Estimate> {
+        let sensor = self.named(sensor)?;
+        sensor.lock_filter().pose_at(now, now + sensor.ahead)
     }
 
     /// The buttons pressed at `time`, bit n for button n; `None` where nothing is known of them.
@@ -112,6 +133,7 @@ impl Hub {
     pub fn clear(&self) {
         for sensor in self.devices.values().flatten() {
             sensor.poses.lock().clear();
+            sensor.lock_filter().clear();
             sensor.buttons.lock().clear();
             sensor.axes.lock().clear();
             sensor.hands.lock().clear();
@@ -129,15 +151,29 @@ impl Hub {
 }
 
 impl Sensor {
-    fn new(held_after: Duration, lost_after: Duration) -> Self {
+    fn new(settings: SensorSettings, held_after: Duration, lost_after: Duration) -> Self {
+        let SensorSettings { filter, ahead } = settings;
+        let filter = FilterSettings {
+            held_after,
+            lost_after,
+            // Between samples of a slow line there is no gap.
+            gap: filter.gap.max(held_after),
+            ..filter
+        };
         Self {
             held_after,
             lost_after,
+            ahead,
+            filter: Mutex::new(TrackerFilter::new(filter).expect("a rig's settings were checked")),
             poses: History::default(),
             buttons: History::default(),
             axes: History::default(),
             hands: History::default(),
         }
+    }
+
+    fn lock_filter(&self) -> MutexGuard<'_, TrackerFilter> {
+        self.filter.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn pose(&self, sample: &PoseSample, time: Nanos) -> Pose {
@@ -271,6 +307,41 @@ mod tests {
         );
         assert_eq!(validity(&hub, 0), None);
         assert_eq!(hub.sensors().count(), 2);
+    }
+
+    #[test]
+    fn a_sensors_settings_smooth_and_predict_it() {
+        let text = Rig::builtin_text("workbench").unwrap().to_owned()
+            + "\n[sensors.\"flock/1\"]\nprediction = { kind = \"constant-velocity\" }\n\
+               ahead_ms = 20.0\n";
+        let predicting = Hub::for_rig(&Rig::parse(&text, "test").unwrap());
+        let plain = hub();
+        for hub in [&predicting, &plain] {
+            for i in 0..20 {
+                hub.push("flock", Sample::Pose(sample(10 * i, 0.004 * i as f64)));
+            }
+        }
+        let now = Nanos(190_000_000);
+        let x = |hub: &Hub| {
+            let estimate = hub.estimate_at(&head(), now).unwrap();
+            assert!((estimate.velocity.unwrap().linear.x - 0.4).abs() < 1e-9);
+            estimate.pose.frame_from_body.translation.x
+        };
+        assert_eq!(x(&plain), 0.004 * 19.0);
+        assert!((x(&predicting) - 0.004 * 21.0).abs() < 1e-9);
+        // A frozen sensor's pose is lost, and stays where it is.
+        predicting.push(
+            "flock",
+            Sample::Pose(PoseSample {
+                frozen: true,
+                ..sample(200, 0.076)
+            }),
+        );
+        let frozen = predicting.estimate_at(&head(), Nanos(200_000_000)).unwrap();
+        assert_eq!(frozen.pose.validity, Validity::Lost);
+        assert_eq!(frozen.pose.frame_from_body.translation.x, 0.076);
+        predicting.clear();
+        assert_eq!(predicting.estimate_at(&head(), now), None);
     }
 
     #[test]

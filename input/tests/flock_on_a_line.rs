@@ -24,7 +24,9 @@ fn rig(port: &Path) -> Rig {
         panic!("the workbench has a Flock");
     };
     flock.silence_before = Duration::from_millis(50);
-    flock.silence_after = Duration::from_millis(80);
+    // Long enough for a simulator that a busy machine lets wait: what reaches it while it
+    // configures itself is lost.
+    flock.silence_after = Duration::from_millis(300);
     rig
 }
 
@@ -206,11 +208,10 @@ fn every_fiftieth_byte_lost_lets_no_wrong_pose_out() {
         let counts = session.devices.states().remove(0).counts;
         (counts.samples >= 400).then_some(counts)
     });
-    // One byte in 50 takes one record in 3.3 with it, and never two: 2.3 come for each that is cut.
-    // A terminal on a busy machine loses some of its own besides.
+    // One byte in 50 takes one record in 3.3 with it, and never two.
     let lost = counts.cut_records;
     assert!(lost >= 100, "{counts:?}");
-    assert!(2 * counts.records >= 3 * lost, "{counts:?}");
+    assert!(counts.records >= 2 * lost, "{counts:?}");
     // How many the gate refused is not asked: it refuses the first after each gap, and a busy
     // machine makes gaps of its own.
     for number in 1..=2 {

@@ -7,8 +7,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// all; only they are used by nobody.
 const ARROWS: [(&str, &[&str]); 10] = [
     ("sandtable-pose", &[]),
-    ("sandtable-config", &["sandtable-pose"]),
-    ("sandtable-input", &["sandtable-config", "sandtable-pose"]),
+    ("sandtable-config", &["sandtable-motion", "sandtable-pose"]),
+    (
+        "sandtable-input",
+        &["sandtable-config", "sandtable-motion", "sandtable-pose"],
+    ),
     ("sandtable-motion", &["sandtable-pose"]),
     ("sandtable-view", &["sandtable-pose"]),
     ("sandtable-terrain", &[]),

@@ -37,7 +37,7 @@ fn workbench(port: &Path) -> Rig {
         panic!("the workbench has a Flock");
     };
     flock.silence_before = Duration::from_millis(50);
-    flock.silence_after = Duration::from_millis(80);
+    flock.silence_after = Duration::from_millis(300);
     rig
 }
 

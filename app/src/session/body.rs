@@ -38,14 +38,14 @@ impl Body {
         }
     }
 
-    /// Takes in the tracked pose at `time`. A lost one leaves the body where it last was: nothing
+    /// Takes in the tracked pose for a picture that is begun at `time`. A lost one leaves the body where it last was: nothing
     /// snaps back to its rest.
     pub(crate) fn follow(&mut self, hub: &Hub, time: Nanos) {
-        let pose = self
+        let estimate = self
             .sensor
             .as_ref()
-            .and_then(|sensor| hub.pose_at(sensor, time));
-        if let Some(pose) = pose {
+            .and_then(|sensor| hub.estimate_at(sensor, time));
+        if let Some(pose) = estimate.map(|estimate| estimate.pose) {
             self.table_from_body = pose.frame_from_body;
             self.validity = Some(pose.validity);
         }
