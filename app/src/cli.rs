@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// A sand table that you can walk around.
 ///
@@ -256,8 +257,12 @@ pub(crate) enum SimulatedDevice {
 )]
 pub(crate) struct SimulateFlockArgs {
     /// How many birds.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=14))]
     pub(crate) birds: u8,
+
+    /// The address of an Extended Range Controller; the birds take the others.
+    #[arg(long, value_name = "ADDRESS", value_parser = clap::value_parser!(u8).range(1..=15))]
+    pub(crate) erc: Option<u8>,
 
     /// The line's speed, which paces the stream.
     #[arg(long, value_name = "B", default_value_t = 115_200, value_parser = parse_baud)]
@@ -278,6 +283,14 @@ pub(crate) struct SimulateFlockArgs {
     /// Lose every Nth byte of the stream.
     #[arg(long, value_name = "N")]
     pub(crate) drop_every: Option<u64>,
+
+    /// Damage every Nth record: a byte lost, or a phase bit turned, at each place in turn.
+    #[arg(long, value_name = "N")]
+    pub(crate) damage_every: Option<u64>,
+
+    /// Be silent from a second of the stream on, for some seconds; may be repeated.
+    #[arg(long, value_name = "AT,FOR", value_parser = parse_stall)]
+    pub(crate) stall: Vec<(Duration, Duration)>,
 }
 
 /// Arguments of `record`.
@@ -361,6 +374,17 @@ fn parse_hold(text: &str) -> Result<[f64; 6], String> {
     numbers
         .try_into()
         .map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
+}
+
+/// When a stall begins and how long it lasts, in seconds.
+fn parse_stall(text: &str) -> Result<(Duration, Duration), String> {
+    let seconds = |part: &str| {
+        let seconds = part.trim().parse::<f64>().ok()?;
+        Duration::try_from_secs_f64(seconds).ok()
+    };
+    text.split_once(',')
+        .and_then(|(at, lasting)| Some((seconds(at)?, seconds(lasting)?)))
+        .ok_or_else(|| format!("{text:?} is not AT,FOR in seconds"))
 }
 
 #[cfg(test)]

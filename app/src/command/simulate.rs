@@ -39,6 +39,15 @@ mod unix {
                 args.hold.len()
             )));
         }
+        if args
+            .erc
+            .is_some_and(|address| u32::from(address) > birds + 1)
+        {
+            return Err(usage(format!(
+                "a controller beside {birds} birds has an address from 1 to {}",
+                birds + 1
+            )));
+        }
         let held = |bird: usize| args.hold.get(bird);
         let motions = (0..birds as usize)
             .map(|bird| {
@@ -49,10 +58,13 @@ mod unix {
             .collect();
         let settings = SimulatorSettings {
             birds,
+            erc_address: args.erc.map(u32::from),
             baud: args.baud,
             motions,
             faults: Faults {
                 drop_every: args.drop_every,
+                damage_every: args.damage_every,
+                stalls: args.stall.clone(),
                 ..Faults::default()
             },
             ..SimulatorSettings::default()
