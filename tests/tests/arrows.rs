@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Each crate and the crates of ours that it may use. `sandtable` and `sandtable-tests` may use
 /// all; only they are used by nobody.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("sandtable-pose", &[]),
+    ("sandtable-calibration", &["sandtable-pose"]),
     ("sandtable-config", &["sandtable-pose"]),
     ("sandtable-input", &["sandtable-config", "sandtable-pose"]),
     ("sandtable-view", &["sandtable-pose"]),
@@ -33,7 +34,12 @@ const ARROWS: [(&str, &[&str]); 9] = [
 ];
 
 /// Crates that one of ours must not use, and why.
-const FORBIDDEN: [(&str, &[&str], &str); 4] = [
+const FORBIDDEN: [(&str, &[&str], &str); 5] = [
+    (
+        "sandtable-calibration",
+        &["wgpu", "winit", "serialport", "egui", "rayon"],
+        "calibration is mathematics",
+    ),
     (
         "sandtable-cast",
         &["wgpu", "winit", "serialport", "egui"],
