@@ -13,6 +13,8 @@ pub enum Items {
     LeftSightings,
     /// Sightings with the right eye.
     RightSightings,
+    /// Samples of the distorted field ([`FieldSample`](crate::FieldSample)).
+    FieldSamples,
 }
 
 impl fmt::Display for Items {
@@ -22,6 +24,7 @@ impl fmt::Display for Items {
             Self::Poses => "poses",
             Self::LeftSightings => "sightings of the left eye",
             Self::RightSightings => "sightings of the right eye",
+            Self::FieldSamples => "samples of the field",
         })
     }
 }
@@ -43,6 +46,7 @@ impl fmt::Display for Item {
             Items::Poses => write!(f, "pose {number}"),
             Items::LeftSightings => write!(f, "sighting {number} of the left eye"),
             Items::RightSightings => write!(f, "sighting {number} of the right eye"),
+            Items::FieldSamples => write!(f, "sample {number}"),
         }
     }
 }

@@ -47,6 +47,7 @@ impl fmt::Display for Outlier {
             Items::LeftSightings | Items::RightSightings => {
                 "sight those marks again, and check their written places"
             }
+            Items::FieldSamples => "measure that place again",
         })
     }
 }

@@ -3,7 +3,9 @@
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
-use sandtable_calibration::{Side, Sighting, Touch, locate_eye, locate_eyes, pivot, register};
+use sandtable_calibration::{
+    FieldSample, Side, Sighting, Touch, fit_distortion, locate_eye, locate_eyes, pivot, register,
+};
 use sandtable_pose::Rigid;
 
 /// Mostly what a tracker says, sometimes what a broken one says.
@@ -68,6 +70,20 @@ proptest! {
         }
         prop_assert!(locate_eyes(&sightings, &sightings).is_err());
     }
+
+    #[test]
+    fn any_samples_fit_or_are_refused(
+        samples in prop::collection::vec((place(), place()), 0..14),
+    ) {
+        let samples: Vec<_> = samples
+            .into_iter()
+            .map(|(measured, truth)| FieldSample { measured, truth })
+            .collect();
+        if let Ok(fit) = fit_distortion(&samples) {
+            prop_assert!(fit.correction.displacements().iter().all(|d| d.is_finite()));
+            prop_assert!(fit.left_out.rms <= fit.before.rms);
+        }
+    }
 }
 
 #[test]
@@ -105,6 +121,17 @@ fn messages_count_from_one_and_say_what_to_do() {
     let error = pivot(&poses).unwrap_err().to_string();
     assert!(
         error.starts_with("pose 5: the attitude is a quaternion of length 0.5000"),
+        "{error}"
+    );
+
+    let mut samples = [FieldSample {
+        measured: DVec3::ZERO,
+        truth: DVec3::ZERO,
+    }; 9];
+    samples[8].truth.z = f64::INFINITY;
+    let error = fit_distortion(&samples).unwrap_err().to_string();
+    assert!(
+        error.starts_with("sample 9: the true place is not finite"),
         "{error}"
     );
 }
