@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Each crate and the crates of ours that it may use. `sandtable` and `sandtable-tests` may use
 /// all; only they are used by nobody.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("sandtable-pose", &[]),
+    ("sandtable-calibration", &["sandtable-pose"]),
     ("sandtable-config", &["sandtable-motion", "sandtable-pose"]),
     (
         "sandtable-input",
@@ -37,7 +38,12 @@ const ARROWS: [(&str, &[&str]); 10] = [
 ];
 
 /// Crates that one of ours must not use, and why.
-const FORBIDDEN: [(&str, &[&str], &str); 4] = [
+const FORBIDDEN: [(&str, &[&str], &str); 5] = [
+    (
+        "sandtable-calibration",
+        &["wgpu", "winit", "serialport", "egui", "rayon"],
+        "calibration is mathematics",
+    ),
     (
         "sandtable-cast",
         &["wgpu", "winit", "serialport", "egui"],

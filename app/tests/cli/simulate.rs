@@ -77,7 +77,9 @@ fn what_cannot_be_simulated_is_refused() {
     let folder = Folder::new();
     for (arguments, says) in [
         ("--motion jump", &["jump", "still", "circle"][..]),
-        ("--birds 5", &["5", "1..=4"]),
+        ("--birds 15", &["15", "1..=14"]),
+        ("--birds 2 --erc 4", &["1 to 3"]),
+        ("--stall 2", &["AT,FOR"]),
         (
             "--birds 1 --hold 1,2,3,4,5,6 --hold 1,2,3,4,5,6",
             &["--birds 2"],

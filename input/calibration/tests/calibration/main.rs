@@ -1,0 +1,10 @@
+//! Calibrations from simulated measurements whose truth is known, and from measurements that
+//! nothing can be made of.
+
+mod correction;
+mod distortion;
+mod eyes;
+mod noise;
+mod pivot;
+mod refused;
+mod registration;
