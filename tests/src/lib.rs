@@ -2,6 +2,7 @@
 //! whose pictures can be worked out on paper.
 
 mod data;
+pub mod decoders;
 mod markers;
 
 pub use data::{data_file, repository};
