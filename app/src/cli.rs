@@ -321,7 +321,18 @@ pub(crate) struct RecordArgs {
 
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  sandtable doctor\n  \
+    sandtable doctor --rig workbench --device flock=/dev/ttyUSB1")]
 pub(crate) struct DoctorArgs {
+    /// Start the devices of this rig, listen to them for two seconds, and say how each one is:
+    /// workbench, or a rig file.
+    #[arg(long, value_name = "RIG")]
+    pub(crate) rig: Option<String>,
+
+    /// Use this port for a device of the rig (may be given once for each device).
+    #[arg(long, value_name = "NAME=PORT", requires = "rig")]
+    pub(crate) device: Vec<String>,
+
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,

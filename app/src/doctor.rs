@@ -4,6 +4,7 @@
 //! costs its own section, never the others.
 
 mod access;
+mod device;
 #[cfg_attr(not(target_os = "linux"), path = "doctor/display_elsewhere.rs")]
 mod display;
 mod finding;
@@ -19,8 +20,10 @@ mod window_library;
 
 use std::fmt;
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use sandtable_config::Rig;
 use serde_json::{Value, json};
 
 use finding::Finding;
@@ -28,25 +31,23 @@ use finding::Finding;
 /// How long all checks together may take. Loading a GPU driver for the first time takes seconds.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// Examines this machine. Takes some seconds, at most 20.
-pub(crate) fn examine() -> Report {
-    let check = |key, title, examine| Check {
-        key,
-        title,
-        examine,
-    };
-    run(
-        &[
-            check("gpus", "GPUs", gpu::examine),
-            check("displays", "Displays", display::examine),
-            check("serial_ports", "Serial ports (trackers)", serial::examine),
-            check("hid_devices", "HID devices (gloves)", hid::examine),
-            check("gamepads", "Gamepads", gamepad::examine),
-            check("sound_outputs", "Sound outputs", sound::examine),
-            check("programs", "Programs", program::examine),
-        ],
-        LIMIT,
-    )
+/// Examines this machine, and the devices of a rig where one is given. Takes some seconds, at most
+/// 20.
+pub(crate) fn examine(rig: Option<Rig>) -> Report {
+    let mut checks = vec![
+        Check::new("gpus", "GPUs", gpu::examine),
+        Check::new("displays", "Displays", display::examine),
+        Check::new("serial_ports", "Serial ports (trackers)", serial::examine),
+        Check::new("hid_devices", "HID devices (gloves)", hid::examine),
+        Check::new("gamepads", "Gamepads", gamepad::examine),
+        Check::new("sound_outputs", "Sound outputs", sound::examine),
+        Check::new("programs", "Programs", program::examine),
+    ];
+    checks.extend(rig.map(|rig| {
+        let examine = move || device::examine(&rig);
+        Check::new("devices", "Devices of the rig", examine)
+    }));
+    run(checks, LIMIT)
 }
 
 /// What was found, section by section.
@@ -90,7 +91,21 @@ impl fmt::Display for Report {
 struct Check {
     key: &'static str,
     title: &'static str,
-    examine: fn() -> Result<Finding, String>,
+    examine: Box<dyn FnOnce() -> Result<Finding, String> + Send>,
+}
+
+impl Check {
+    fn new(
+        key: &'static str,
+        title: &'static str,
+        examine: impl FnOnce() -> Result<Finding, String> + Send + 'static,
+    ) -> Self {
+        Self {
+            key,
+            title,
+            examine: Box::new(examine),
+        }
+    }
 }
 
 /// What came of it.
@@ -118,22 +133,36 @@ impl Section {
     }
 }
 
+type Outcome = Result<Finding, String>;
+
+/// A check that was started: its key and title, its thread, and where its outcome comes.
+type Pending = (
+    [&'static str; 2],
+    std::io::Result<JoinHandle<()>>,
+    mpsc::Receiver<Outcome>,
+);
+
 /// Runs all checks at once and waits for them until `limit`.
-fn run(checks: &[Check], limit: Duration) -> Report {
+fn run(checks: Vec<Check>, limit: Duration) -> Report {
     let deadline = Instant::now() + limit;
-    let pending: Vec<_> = checks
-        .iter()
-        .map(|check| {
-            let (sender, outcome) = mpsc::channel();
-            let examine = check.examine;
-            let started = std::thread::Builder::new()
-                .name(format!("doctor: {}", check.key))
-                // The receiver may have given up by then.
-                .spawn(move || drop(sender.send(examine())));
-            (check, started, outcome)
-        })
+    let pending: Vec<Pending> = checks
+        .into_iter()
+        .map(
+            |Check {
+                 key,
+                 title,
+                 examine,
+             }| {
+                let (sender, outcome) = mpsc::channel();
+                let started = std::thread::Builder::new()
+                    .name(format!("doctor: {key}"))
+                    // The receiver may have given up by then.
+                    .spawn(move || drop(sender.send(examine())));
+                ([key, title], started, outcome)
+            },
+        )
         .collect();
-    let section = |(check, started, outcome): (&Check, std::io::Result<_>, mpsc::Receiver<_>)| {
+    let section = |([key, title], started, outcome): Pending| {
         let left = deadline.saturating_duration_since(Instant::now());
         let outcome = match (started, outcome.recv_timeout(left)) {
             (Err(error), _) => Err(format!("there is no thread for this check: {error}")),
@@ -147,8 +176,8 @@ fn run(checks: &[Check], limit: Duration) -> Report {
             }
         };
         Section {
-            key: check.key,
-            title: check.title,
+            key,
+            title,
             outcome,
         }
     };
@@ -169,17 +198,13 @@ mod tests {
     }
 
     fn check(key: &'static str, examine: fn() -> Result<Finding, String>) -> Check {
-        Check {
-            key,
-            title: key,
-            examine,
-        }
+        Check::new(key, key, examine)
     }
 
     #[test]
     fn a_check_that_fails_crashes_or_hangs_hides_no_other() {
         let report = run(
-            &[
+            vec![
                 check("fails", || Err("not today".into())),
                 check("crashes", || panic!("a driver does this")),
                 check("hangs", || {
@@ -228,7 +253,7 @@ mod tests {
     /// Whatever this machine has or lacks, every section is there and says something.
     #[test]
     fn this_machine_is_examined_whole() {
-        let report = examine();
+        let report = examine(None);
         let json = report.json();
         for key in [
             "gpus",

@@ -90,6 +90,17 @@ impl Hub {
         Some(sensor.pose(&sample, time))
     }
 
+    /// All poses measured after `from` that are still known, the oldest first.
+    #[must_use]
+    pub fn poses_since(&self, sensor: &SensorName, from: Nanos) -> Vec<PoseSample> {
+        let Some(sensor) = self.named(sensor) else {
+            return Vec::new();
+        };
+        let history = sensor.poses.lock();
+        let later = history.partition_point(|sample| sample.time <= from);
+        history.iter().skip(later).copied().collect()
+    }
+
     /// Where the sensor will be when a picture that is begun at `now` is on the glass, smoothed and
     /// predicted as the rig says, with its velocity and age; `None` where it has had no pose or is
     /// unknown. Of all samples so far, the newest counts.

@@ -2,11 +2,16 @@
 
 use crate::cli::DoctorArgs;
 use crate::doctor::examine;
+use crate::rig;
 use anyhow::Result;
 use std::io::Write;
 
 pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
-    let report = examine();
+    let rig = match &args.rig {
+        Some(name) => Some(rig::open(name, &args.device)?),
+        None => None,
+    };
+    let report = examine(rig);
     let mut out = std::io::stdout().lock();
     if args.json {
         writeln!(out, "{:#}", report.json())?;

@@ -48,3 +48,38 @@ fn programs_get_the_same_as_json() {
     assert_eq!(report["displays"]["status"], "missing");
     assert_ne!(report["displays"]["advice"], serde_json::json!([]));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_rigs_devices_are_listened_to() {
+    let folder = Folder::new();
+    let flock = crate::simulate::Flock::start(&folder, "--damage-every 20");
+    let said = folder.run(&format!(
+        "doctor --json --rig workbench --device flock={}",
+        flock.path.display()
+    ));
+    let report: Value = serde_json::from_str(&said.done().out).unwrap();
+    let flock = &report["devices"]["found"][0];
+    assert_eq!(flock["name"], "flock");
+    assert_eq!(flock["condition"], "streaming");
+    for sensor in flock["sensors"].as_array().unwrap() {
+        let rate = sensor["rate_hz"].as_f64().unwrap();
+        assert!((80.0..110.0).contains(&rate), "{sensor}");
+        assert!(sensor["jitter_ms"].as_f64().unwrap() < 20.0, "{sensor}");
+    }
+    assert!(flock["lost"].as_u64().unwrap() > 5, "{flock}");
+    assert!(
+        report["devices"]["advice"][0]
+            .as_str()
+            .unwrap()
+            .contains("cable")
+    );
+
+    // One that is not there is named with its remedy.
+    let said = folder.run("doctor --rig workbench --device flock=/dev/there-is-none");
+    let said = said.done().out;
+    assert!(
+        said.contains("flock: waiting") && said.contains("plug the device in"),
+        "{said}"
+    );
+}
