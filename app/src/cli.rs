@@ -119,6 +119,14 @@ pub(crate) struct FlyArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["rig", "device", "record"])]
     pub(crate) replay: Option<PathBuf>,
 
+    /// How many times as fast as it was recorded, 0.01 to 100.
+    #[arg(long, value_name = "X", default_value_t = 1.0, requires = "replay", value_parser = parse_replay_speed)]
+    pub(crate) replay_speed: f64,
+
+    /// Stay at the replay's end, where otherwise a window begins it anew.
+    #[arg(long, requires = "replay")]
+    pub(crate) once: bool,
+
     /// Record devices, rig and placement to this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
@@ -385,6 +393,14 @@ fn parse_hold(text: &str) -> Result<[f64; 6], String> {
     numbers
         .try_into()
         .map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
+}
+
+/// How many times as fast a recording is replayed.
+fn parse_replay_speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse::<f64>().ok();
+    speed
+        .filter(|speed| (0.01..=100.0).contains(speed))
+        .ok_or_else(|| format!("{text:?} is not a number from 0.01 to 100"))
 }
 
 /// When a stall begins and how long it lasts, in seconds.

@@ -29,6 +29,10 @@ pub(crate) enum Timeline {
         replay: Box<Replay>,
         /// When it began to be shown.
         begun: Instant,
+        /// Recorded seconds a second.
+        speed: f64,
+        /// Whether it begins anew at its end.
+        repeats: bool,
     },
 }
 
@@ -71,13 +75,20 @@ impl Live {
         }
     }
 
-    /// Shows what a replay has come to; begins anew at its end.
+    /// Shows what a replay has come to; at its end it begins anew or stays.
     fn recall(&mut self, now: Instant) {
-        let Timeline::Replayed { replay, begun } = &mut self.timeline else {
+        let Timeline::Replayed {
+            replay,
+            begun,
+            speed,
+            repeats,
+        } = &mut self.timeline
+        else {
             return;
         };
-        let mut time = replay.start() + now.saturating_duration_since(*begun);
-        if time > replay.end() {
+        let shown = now.saturating_duration_since(*begun);
+        let mut time = replay.start() + shown.mul_f64(*speed);
+        if time > replay.end() && *repeats {
             *begun = now;
             time = replay.start();
             replay.rewind();
@@ -178,7 +189,26 @@ impl Show for Live {
     }
 }
 
-/// The time of frame `frame` of a replay on the virtual clock, at `rate` frames a second.
-pub(crate) fn frame_time(start: Nanos, frame: u32, rate: u32) -> Nanos {
-    Nanos(start.0 + u64::from(frame) * 1_000_000_000 / u64::from(rate))
+/// The time of frame `frame` of a replay on the virtual clock, at `rate` frames a second and
+/// `speed` recorded seconds a second.
+pub(crate) fn frame_time(start: Nanos, frame: u32, rate: u32, speed: f64) -> Nanos {
+    let shown = Duration::from_nanos(u64::from(frame) * 1_000_000_000 / u64::from(rate));
+    start + shown.mul_f64(speed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_of_a_replay_are_where_its_speed_puts_them() {
+        let start = Nanos(500);
+        assert_eq!(frame_time(start, 0, 60, 3.0), start);
+        assert_eq!(frame_time(start, 7, 60, 1.0), Nanos(500 + 116_666_666));
+        assert_eq!(frame_time(start, 60, 60, 0.5), Nanos(500 + 500_000_000));
+        assert_eq!(
+            frame_time(start, 3600, 60, 100.0),
+            Nanos(500 + 6_000_000_000_000)
+        );
+    }
 }

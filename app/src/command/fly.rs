@@ -56,6 +56,8 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
                 Some(replay) => Timeline::Replayed {
                     replay: Box::new(replay),
                     begun: Instant::now(),
+                    speed: args.replay_speed,
+                    repeats: !args.once,
                 },
                 None => {
                     let tape = args
@@ -169,6 +171,7 @@ fn without_display(
         replay
             .end()
             .since(replay.start())
+            .div_f64(args.replay_speed)
             .as_secs_f64()
             .min(LONGEST)
     });
@@ -197,7 +200,7 @@ fn without_display(
             let start = replay.start();
             let mut problem = Ok(());
             film.shoot(session, pool, |session, frame| {
-                let time = frame_time(start, frame, REPLAY_RATE);
+                let time = frame_time(start, frame, REPLAY_RATE, args.replay_speed);
                 let recalled = tape::recall(&mut replay, session, time);
                 if problem.is_ok() {
                     problem = recalled;

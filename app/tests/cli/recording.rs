@@ -89,6 +89,15 @@ mod of_a_flock {
             "another film from the same recording"
         );
 
+        // Twice as fast, each frame shows what every other one did.
+        let fast = "fly --replay whole.mcap --headless --replay-speed 2 --once -o fast.avi";
+        folder.run(fast).done();
+        let fast = avi(&folder.read("fast.avi"));
+        assert_eq!(fast.frames, whole.frames.div_ceil(2));
+        for (frame, picture) in fast.pictures.iter().enumerate() {
+            assert!(*picture == whole.pictures[2 * frame], "frame {frame}");
+        }
+
         let recording = folder.read("whole.mcap");
         folder.write("torn.mcap", &recording[..recording.len() * 7 / 10]);
         let (told, bytes) = replay("torn");
