@@ -284,6 +284,10 @@ pub(crate) struct SimulateFlockArgs {
     #[arg(long, value_name = "X,Y,Z,AZ,EL,ROLL", allow_hyphen_values = true, value_parser = parse_hold)]
     pub(crate) hold: Vec<[f64; 6]>,
 
+    /// Move as the Flock of this recording did, again and again.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["hold", "motion"])]
+    pub(crate) from: Option<PathBuf>,
+
     /// The motion of birds that are not held.
     #[arg(long, value_name = "MOTION", default_value = "circle")]
     pub(crate) motion: String,

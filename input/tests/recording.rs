@@ -6,7 +6,7 @@
 
 use sandtable_config::{Device, Rig, SensorName};
 use sandtable_input::flock::{
-    Action, FlockStream, Motion, SimulatedFlock, SimulatorSettings, startup,
+    Action, FlockStream, Motion, RecordedMotion, Scale, SimulatedFlock, SimulatorSettings, startup,
 };
 use sandtable_input::recording::{DeviceEvent, RecordError, ReplayError};
 use sandtable_input::{Hub, PoseSample, Recorder, Replay, Sample, Stream};
@@ -134,6 +134,41 @@ fn what_was_recorded_comes_back_to_the_bit() {
         replay.rewind();
         hub.clear();
     }
+}
+
+#[test]
+fn a_recorded_flock_moves_a_simulated_one_as_it_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "motion.mcap");
+    let rig = Rig::builtin("workbench").unwrap();
+    let Device::Flock(flock) = &rig.devices["flock"];
+    let samples = record(&path, &reads(&rig, 150));
+    let replay = Replay::open(&path).unwrap();
+    assert_eq!(replay.samples("glove"), []);
+    assert_eq!(RecordedMotion::of(&replay, "glove"), None);
+    let motion = RecordedMotion::of(&replay, "flock").unwrap();
+    assert_eq!(motion.birds(), 2);
+    let scale = Scale::of(flock);
+    let tracker_from_table = flock.table_from_tracker.inverse();
+    let first = samples.iter().map(|sample| sample.time).min().unwrap();
+    let last = samples.iter().map(|sample| sample.time).max().unwrap();
+    for sample in samples.iter().filter(|sample| sample.time < last) {
+        let seconds = sample.time.since(first).as_secs_f64() + 1e-7;
+        // On the line they are the same words.
+        let words = scale.words(&(tracker_from_table * sample.table_from_sensor));
+        let again = motion.pose(sample.sensor, seconds).unwrap();
+        let off = scale
+            .words(&again)
+            .iter()
+            .zip(words.iter())
+            .map(|(a, b)| a.abs_diff(*b))
+            .max();
+        assert!(off <= Some(4), "{sample:?} {off:?}");
+        // And once more, when it begins anew.
+        let round = last.since(first).as_secs_f64();
+        assert_eq!(motion.pose(sample.sensor, seconds + round), Some(again));
+    }
+    assert_eq!(motion.pose(3, 0.0), None);
 }
 
 #[test]

@@ -19,9 +19,12 @@ mod unix {
     use crate::cli::SimulateFlockArgs;
     use crate::exit::usage;
     use crate::interrupt;
-    use anyhow::Result;
-    use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
+    use anyhow::{Context, Result};
+    use sandtable_input::Replay;
+    use sandtable_input::flock::{Faults, Motion, RecordedMotion, Simulator, SimulatorSettings};
     use std::io::Write;
+    use std::path::Path;
+    use std::sync::Arc;
 
     pub(super) fn flock(args: &SimulateFlockArgs) -> Result<()> {
         let motion = Motion::named(&args.motion).ok_or_else(|| {
@@ -56,7 +59,9 @@ mod unix {
                 })
             })
             .collect();
+        let recorded = args.from.as_deref().map(recorded).transpose()?;
         let settings = SimulatorSettings {
+            recorded: recorded.map(Arc::new),
             birds,
             erc_address: args.erc.map(u32::from),
             baud: args.baud,
@@ -85,5 +90,14 @@ mod unix {
         let _ = stop.recv();
         simulator.stop();
         Ok(())
+    }
+
+    /// The motion of the first Flock in a recording.
+    fn recorded(path: &Path) -> Result<RecordedMotion> {
+        let replay = Replay::open(path)?;
+        let mut devices = replay.rig().devices.keys();
+        devices
+            .find_map(|device| RecordedMotion::of(&replay, device))
+            .with_context(|| format!("{} holds no pose of a Flock of Birds", path.display()))
     }
 }

@@ -23,7 +23,7 @@ pub use decoder::{Decoder, DecoderCounts};
 pub use driver::FlockError;
 pub use measurement::Scale;
 pub use record::{LONGEST_RECORD, Layout, Record, Words, buttons_pressed};
-pub use simulator::{Faults, Motion, SimulatedFlock, SimulatorSettings};
+pub use simulator::{Faults, Motion, RecordedMotion, SimulatedFlock, SimulatorSettings};
 #[cfg(unix)]
 pub use simulator::{Simulator, SimulatorError};
 pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};

@@ -2,7 +2,7 @@
 
 use super::reader::{RecordedMessage, ReplayError, read_messages};
 use super::{DeviceEvent, GAPS_TOPIC, GapMessage, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage};
-use crate::{Hub, Stream, stream_of};
+use crate::{Hub, Sample, Stream, stream_of};
 use sandtable_config::Rig;
 use sandtable_pose::Nanos;
 use serde_json::Value;
@@ -177,6 +177,27 @@ impl Replay {
                 What::Event(DeviceEvent::Lost) => {}
             }
         }
+    }
+
+    /// All samples of a device, from the recording's beginning to its end, however far it has been
+    /// played; none where it has no such device.
+    #[must_use]
+    pub fn samples(&self, device: &str) -> Vec<Sample> {
+        let Some(known) = self.rig.devices.get(device) else {
+            return Vec::new();
+        };
+        let mut stream = stream_of(known);
+        let mut samples = Vec::new();
+        for entry in self.entries.iter().filter(|entry| entry.device == device) {
+            match &entry.what {
+                What::Bytes(bytes) => {
+                    stream.push(bytes, entry.arrival, &mut |sample| samples.push(sample));
+                }
+                What::Event(DeviceEvent::Started) => stream.restart(),
+                What::Event(DeviceEvent::Lost) => {}
+            }
+        }
+        samples
     }
 
     /// Whether all of it has been played.

@@ -279,8 +279,7 @@ impl SimulatedFlock {
             if !unit.running || (!self.group && bird > 1) {
                 continue;
             }
-            let motion = self.settings.motion(bird);
-            let pose = motion.pose(bird, time.as_secs_f64());
+            let pose = self.settings.pose(bird, time.as_secs_f64());
             let mut words = unit.scale().words(&unit.measured(pose)).to_vec();
             if !frozen
                 && cycle % FLICKER == FLICKER - 1

@@ -7,14 +7,18 @@ mod device;
 mod motion;
 #[cfg(unix)]
 mod pty;
+mod recorded;
 
 pub use device::SimulatedFlock;
 pub use motion::Motion;
 #[cfg(unix)]
 pub use pty::{Simulator, SimulatorError};
+pub use recorded::RecordedMotion;
 
 use super::record::PHASE;
 use sandtable_config::Addressing;
+use sandtable_pose::Rigid;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// What is simulated.
@@ -34,6 +38,8 @@ pub struct SimulatorSettings {
     pub cycle_rate: f64,
     /// How each bird moves, bird 1 first; where there are fewer, the last one serves the rest.
     pub motions: Vec<Motion>,
+    /// A recorded motion, which those birds have that it knows.
+    pub recorded: Option<Arc<RecordedMotion>>,
     /// How long auto-configuration takes; what arrives in it is lost.
     pub auto_configuration: Duration,
     /// What goes wrong.
@@ -51,6 +57,7 @@ impl Default for SimulatorSettings {
             baud: 115_200,
             cycle_rate: 103.3,
             motions: vec![Motion::Still],
+            recorded: None,
             auto_configuration: Duration::from_millis(300),
             faults: Faults::default(),
         }
@@ -64,6 +71,15 @@ impl SimulatorSettings {
         let index = (bird as usize).saturating_sub(1);
         let motion = self.motions.get(index).or(self.motions.last());
         motion.copied().unwrap_or(Motion::Still)
+    }
+
+    /// `tracker_from_sensor` of bird `bird` (from 1), `seconds` after the first stream began.
+    #[must_use]
+    pub fn pose(&self, bird: u32, seconds: f64) -> Rigid {
+        let recorded = self.recorded.as_ref();
+        recorded
+            .and_then(|motion| motion.pose(bird, seconds))
+            .unwrap_or_else(|| self.motion(bird).pose(bird, seconds))
     }
 }
 
