@@ -54,11 +54,13 @@ mod devices;
 mod flight;
 pub mod flock;
 mod gamepad;
+mod gate;
 mod hub;
 pub mod recording;
 mod sample;
 mod serial_line;
 mod stream;
+mod track;
 
 pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};

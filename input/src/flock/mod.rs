@@ -10,7 +10,6 @@
 
 mod decoder;
 pub(crate) mod driver;
-mod gate;
 mod measurement;
 mod record;
 mod simulator;

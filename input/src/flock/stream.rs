@@ -3,9 +3,10 @@
 //! Live driver and replay run the same stream, so that a recording gives the same samples.
 
 use super::decoder::Decoder;
-use super::gate::{Gate, GateLimits};
 use super::measurement::Scale;
 use super::record::{LONGEST_RECORD, Layout, Words};
+use crate::gate::GateLimits;
+use crate::track::Track;
 use crate::{PoseSample, Sample, Stream, StreamCounts};
 use sandtable_config::Flock;
 use sandtable_pose::{Nanos, Rigid};
@@ -24,17 +25,8 @@ pub struct FlockStream {
     limits: GateLimits,
     table_from_tracker: Rigid,
     byte_time: Duration,
-    birds: Vec<Bird>,
+    birds: Vec<Track<Words>>,
     counts: StreamCounts,
-}
-
-/// What is remembered of one bird.
-#[derive(Clone, Debug, Default)]
-struct Bird {
-    gate: Gate,
-    words: Option<Words>,
-    equal: u32,
-    newest: Nanos,
 }
 
 impl FlockStream {
@@ -53,7 +45,7 @@ impl FlockStream {
             },
             table_from_tracker: flock.table_from_tracker,
             byte_time: byte_time(flock.baud),
-            birds: vec![Bird::default(); layout.birds()],
+            birds: vec![Track::default(); layout.birds()],
             decoder: Decoder::new(layout),
             counts: StreamCounts::default(),
         }
@@ -62,33 +54,26 @@ impl FlockStream {
     /// The first bird of which no record has come since the stream was made or restarted.
     #[must_use]
     pub fn missing_bird(&self) -> Option<u32> {
-        let missing = |(number, bird): (u32, &Bird)| bird.words.is_none().then_some(number);
+        let missing = |(number, bird): (u32, &Track<_>)| (!bird.is_heard()).then_some(number);
         (1..).zip(&self.birds).find_map(missing)
     }
 
     fn sample(&mut self, number: u32, words: &Words, began: Nanos) -> Option<PoseSample> {
         let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
-        if bird.words.as_ref() == Some(words) {
-            bird.equal = bird.equal.saturating_add(1);
-        } else {
-            bird.equal = 1;
-            bird.words = Some(*words);
-        }
+        bird.hear(*words);
         let Some(pose) = self.scale.pose(words) else {
             self.counts.implausible += 1;
             return None;
         };
-        let time = began.max(bird.newest + Duration::from_nanos(1));
-        if !bird.gate.admits(&self.limits, time, &pose) {
+        let Some(time) = bird.admit(&self.limits, began, &pose) else {
             self.counts.refused += 1;
             return None;
-        }
-        bird.newest = time;
+        };
         Some(PoseSample {
             sensor: number,
             time,
             table_from_sensor: self.table_from_tracker * pose,
-            frozen: bird.equal >= FROZEN_AFTER,
+            frozen: bird.equal() >= FROZEN_AFTER,
         })
     }
 }
@@ -113,10 +98,7 @@ impl Stream for FlockStream {
     fn restart(&mut self) {
         self.decoder.restart();
         for bird in &mut self.birds {
-            *bird = Bird {
-                newest: bird.newest,
-                ..Bird::default()
-            };
+            bird.restart();
         }
     }
 
