@@ -61,6 +61,7 @@ mod sample;
 mod serial_line;
 mod stream;
 mod track;
+pub mod vrpn;
 
 pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};
