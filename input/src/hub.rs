@@ -5,8 +5,8 @@
 //! waits long for a reader, and none for another sensor's.
 
 use crate::flock::record_period;
-use crate::{AxesSample, ButtonsSample, HandState, PoseSample, Sample};
-use sandtable_config::{Device, Rig, SensorName};
+use crate::{AXES, AxesSample, ButtonsSample, HandSample, HandState, PoseSample, Sample};
+use sandtable_config::{Device, Dtrack, Rig, SensorName, Vrpn};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -38,10 +38,15 @@ impl Hub {
     #[must_use]
     pub fn for_rig(rig: &Rig) -> Self {
         let sensors = |device: &Device| {
-            let Device::Flock(flock) = device;
+            let (held_after, lost_after, period) = match device {
+                Device::Flock(flock) => (flock.held_after, flock.lost_after, record_period(flock)),
+                Device::Vrpn(Vrpn { tracking, .. }) | Device::Dtrack(Dtrack { tracking, .. }) => {
+                    (tracking.held_after, tracking.lost_after, tracking.period())
+                }
+            };
             // A slow line brings records less often than a pose may be old.
-            let held_after = flock.held_after.max(3 * record_period(flock));
-            let lost_after = flock.lost_after.max(held_after);
+            let held_after = held_after.max(3 * period);
+            let lost_after = lost_after.max(held_after);
             let sensor = |_| Sensor::new(held_after, lost_after);
             (0..device.sensors()).map(sensor).collect()
         };
@@ -64,6 +69,52 @@ impl Hub {
             Sample::Buttons(sample) => sensor.buttons.push(sample),
             Sample::Axes(sample) => sensor.axes.push(sample),
             Sample::Hand(sample) => sensor.hands.push((sample.time, sample.hand)),
+        }
+    }
+
+    /// Lets go what a device holds that has gone away at `time`: its buttons, its axes, and what is
+    /// known of its hands. A button must not stay pressed because its cable was pulled.
+    pub(crate) fn let_go(&self, device: &str, time: Nanos) {
+        let count = self.devices.get(device).map_or(0, Vec::len);
+        for sensor in 1..=u32::try_from(count).unwrap_or(u32::MAX) {
+            let name = SensorName {
+                device: device.to_owned(),
+                number: sensor,
+            };
+            // The newest, whatever its time.
+            let end = Nanos(u64::MAX);
+            if self
+                .buttons_at(&name, end)
+                .is_some_and(|pressed| pressed != 0)
+            {
+                let pressed = 0;
+                let released = ButtonsSample {
+                    sensor,
+                    time,
+                    pressed,
+                };
+                self.push(device, Sample::Buttons(released));
+            }
+            if let Some(axes) = self.axes_at(&name, end)
+                && axes.values.iter().any(|value| *value != 0.0)
+            {
+                let values = [0.0; AXES];
+                self.push(
+                    device,
+                    Sample::Axes(AxesSample {
+                        time,
+                        values,
+                        ..axes
+                    }),
+                );
+            }
+            if self
+                .hand_at(&name, end)
+                .is_some_and(|hand| hand != HandState::default())
+            {
+                let hand = HandState::default();
+                self.push(device, Sample::Hand(HandSample { sensor, time, hand }));
+            }
         }
     }
 
@@ -311,5 +362,41 @@ mod tests {
         assert_eq!(hub.hand_at(&head(), time(10)), Some(hand));
         hub.clear();
         assert_eq!((at(1000), hub.hand_at(&head(), time(10))), (None, None));
+    }
+
+    #[test]
+    fn what_a_lost_device_holds_is_let_go_and_its_poses_stay() {
+        let hub = hub();
+        let time = |ms: u64| Nanos(ms * 1_000_000);
+        let mut values = [0.0; AXES];
+        values[1] = -1.0;
+        hub.push("flock", Sample::Pose(sample(10, 0.5)));
+        for sensor in 1..=2 {
+            hub.push(
+                "flock",
+                Sample::Buttons(ButtonsSample {
+                    sensor,
+                    time: time(10),
+                    pressed: 0b11,
+                }),
+            );
+        }
+        hub.push(
+            "flock",
+            Sample::Axes(AxesSample {
+                sensor: 1,
+                time: time(10),
+                values,
+                count: 2,
+            }),
+        );
+        hub.let_go("glove", time(20));
+        assert_eq!(hub.buttons_at(&head(), time(30)), Some(0b11));
+        hub.let_go("flock", time(20));
+        assert_eq!(hub.buttons_at(&head(), time(19)), Some(0b11));
+        assert_eq!(hub.buttons_at(&head(), time(20)), Some(0));
+        let axes = hub.axes_at(&head(), time(20)).unwrap();
+        assert_eq!((axes.values, axes.count), ([0.0; AXES], 2));
+        assert_eq!(validity(&hub, 10), Some(Validity::Live));
     }
 }

@@ -24,7 +24,9 @@
 //!
 //! let rig = Rig::builtin("workbench").unwrap();
 //! let device_in_rig = &rig.devices["flock"];
-//! let Device::Flock(flock) = device_in_rig;
+//! let Device::Flock(flock) = device_in_rig else {
+//!     panic!("the workbench has a Flock");
+//! };
 //! let mut device = SimulatedFlock::new(SimulatorSettings::default());
 //! let mut now = Duration::ZERO;
 //! for step in sandtable_input::flock::startup(flock) {
@@ -51,6 +53,7 @@
 mod clock;
 mod device_thread;
 mod devices;
+pub mod dtrack;
 mod flight;
 pub mod flock;
 mod gamepad;
@@ -60,7 +63,9 @@ pub mod recording;
 mod sample;
 mod serial_line;
 mod stream;
+mod tcp_line;
 mod track;
+mod tracked_sensors;
 pub mod vrpn;
 
 pub use clock::Clock;
@@ -74,3 +79,4 @@ pub use sample::{
 };
 pub use serial_line::SerialError;
 pub use stream::{Stream, StreamCounts, stream_of};
+pub use tcp_line::TcpError;

@@ -145,7 +145,9 @@ mod tests {
 
     fn flock() -> Flock {
         let rig = Rig::builtin("workbench").unwrap();
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         flock.clone()
     }
 
