@@ -6,18 +6,23 @@
 
 use crate::flock::record_period;
 use crate::{AXES, AxesSample, ButtonsSample, HandSample, HandState, PoseSample, Sample};
+use crossbeam_channel::{Receiver, Sender, TrySendError};
 use sandtable_config::{Device, Dtrack, Rig, SensorName, Vrpn};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Samples by sensor and time. The sensors are those of the rig that it was made for.
 #[derive(Debug, Default)]
 pub struct Hub {
     /// Each device's sensors, number 1 first.
-    devices: BTreeMap<String, Vec<Sensor>>,
+    devices: BTreeMap<Arc<str>, Vec<Sensor>>,
+    listeners: Mutex<Vec<Sender<Heard>>>,
 }
+
+/// A sample that a listener hears of, and the name of its device.
+pub(crate) type Heard = (Arc<str>, Sample);
 
 #[derive(Debug)]
 struct Sensor {
@@ -54,22 +59,40 @@ impl Hub {
             devices: rig
                 .devices
                 .iter()
-                .map(|(name, device)| (name.clone(), sensors(device)))
+                .map(|(name, device)| (name.as_str().into(), sensors(device)))
                 .collect(),
+            listeners: Mutex::default(),
         }
     }
 
     /// Adds a sample of a device's sensor; one of an unknown sensor is ignored.
     pub fn push(&self, device: &str, sample: Sample) {
-        let Some(sensor) = self.sensor(device, sample.sensor()) else {
+        let Some((name, sensor)) = self.sensor(device, sample.sensor()) else {
             return;
         };
+        let mut listeners = self.listeners();
+        if !listeners.is_empty() {
+            // A listener that is too slow misses samples; nobody waits for it.
+            listeners.retain(|listener| {
+                let result = listener.try_send((Arc::clone(name), sample));
+                !matches!(result, Err(TrySendError::Disconnected(_)))
+            });
+        }
+        drop(listeners);
         match sample {
             Sample::Pose(sample) => sensor.poses.push(sample),
             Sample::Buttons(sample) => sensor.buttons.push(sample),
             Sample::Axes(sample) => sensor.axes.push(sample),
             Sample::Hand(sample) => sensor.hands.push((sample.time, sample.hand)),
         }
+    }
+
+    /// Every sample pushed from now on, in order. Up to `room` of them wait for their reader; what
+    /// comes while there is no room is missed.
+    pub(crate) fn listen(&self, room: usize) -> Receiver<Heard> {
+        let (listener, heard) = crossbeam_channel::bounded(room);
+        self.listeners().push(listener);
+        heard
     }
 
     /// Lets go what a device holds that has gone away at `time`: its buttons, its axes, and what is
@@ -153,7 +176,7 @@ impl Hub {
     pub fn sensors(&self) -> impl Iterator<Item = SensorName> {
         self.devices.iter().flat_map(|(device, sensors)| {
             (1..).zip(sensors).map(|(number, _)| SensorName {
-                device: device.clone(),
+                device: device.to_string(),
                 number,
             })
         })
@@ -170,12 +193,21 @@ impl Hub {
     }
 
     fn named(&self, name: &SensorName) -> Option<&Sensor> {
-        self.sensor(&name.device, name.number)
+        let (_, sensor) = self.sensor(&name.device, name.number)?;
+        Some(sensor)
     }
 
-    fn sensor(&self, device: &str, number: u32) -> Option<&Sensor> {
+    fn sensor(&self, device: &str, number: u32) -> Option<(&Arc<str>, &Sensor)> {
         let index = number.checked_sub(1)? as usize;
-        self.devices.get(device)?.get(index)
+        let (name, sensors) = self.devices.get_key_value(device)?;
+        Some((name, sensors.get(index)?))
+    }
+
+    fn listeners(&self) -> MutexGuard<'_, Vec<Sender<Heard>>> {
+        // Nothing that can panic runs under the lock.
+        self.listeners
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -398,5 +430,28 @@ mod tests {
         let axes = hub.axes_at(&head(), time(20)).unwrap();
         assert_eq!((axes.values, axes.count), ([0.0; AXES], 2));
         assert_eq!(validity(&hub, 10), Some(Validity::Live));
+        // What is let go already is not let go again.
+        let heard = hub.listen(8);
+        hub.let_go("flock", time(30));
+        assert_eq!(heard.len(), 0);
+    }
+
+    #[test]
+    fn listeners_hear_all_that_they_have_room_for_and_hold_nobody_up() {
+        let hub = hub();
+        hub.push("flock", Sample::Pose(sample(0, 0.0)));
+        let heard = hub.listen(3);
+        for ms in 1..=5 {
+            hub.push("flock", Sample::Pose(sample(ms, ms as f64)));
+        }
+        hub.push("glove", Sample::Pose(sample(6, 6.0)));
+        let times: Vec<_> = heard
+            .try_iter()
+            .map(|(_, s)| s.time().0 / 1_000_000)
+            .collect();
+        assert_eq!(times, [1, 2, 3]);
+        drop(heard);
+        hub.push("flock", Sample::Pose(sample(7, 7.0)));
+        assert_eq!(hub.listeners().len(), 0);
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! a port --bytes--> driver --+--> Stream --samples--> Hub --pose_at(t)--> viewer
-//!                            |      ^
-//!                            v      |
+//!                            |      ^                   |
+//!                            v      |                   +--> VrpnServer --> others' programs
 //!                        Recorder  Replay (virtual clock)
 //! gamepad --state--> map_gamepad --> FlightAxes
 //! ```

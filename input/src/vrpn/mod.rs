@@ -21,6 +21,7 @@ pub(crate) mod driver;
 mod inbound;
 mod message;
 mod report;
+mod server;
 mod stream;
 
 pub use connection::{Connection, LONGEST_QUEUE, QueueFull};
@@ -36,4 +37,5 @@ pub use message::{
 pub use report::{
     BigEndian, MOST_BUTTONS, MOST_CHANNELS, Report, ReportKind, Text, TrackerPose, TrackerVelocity,
 };
+pub use server::{ServerError, VrpnServer, VrpnServerSettings};
 pub use stream::{ServerText, VrpnStream};
