@@ -7,7 +7,7 @@
 //! Lengths are metres and rotations unit quaternions once read; degrees, inches and axis names end
 //! here. Every number is checked against its range, an unknown key is an error, and each error
 //! names the file, the line, the key and what would be right. A rig file holds values only: no
-//! commands, no other files, no addresses to open.
+//! commands and no other files; the addresses in it are those of serial ports and trackers.
 //!
 //! ```
 //! use sandtable_config::{Rig, Viewing};
@@ -36,7 +36,8 @@ mod viewing;
 pub use body::{Eyes, Hand, Head, SensorName};
 pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
 pub use device::{
-    Addressing, Confirm, Device, Flock, FlockMode, Hemisphere, QuaternionSign, Range, RecordFormat,
+    Addressing, AxisMap, Confirm, Device, Dtrack, Flock, FlockMode, Hemisphere, QuaternionSign,
+    Range, RecordFormat, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
 };
 pub use error::RigError;
 pub use rig::Rig;

@@ -68,8 +68,21 @@ fn from_angles(azimuth: f64, elevation: f64, roll: f64) -> DQuat {
     )
 }
 
-/// Where the source's x, y and z point in the target, each an axis with its sign.
+/// Where the source's x, y and z point in the target, as a rotation.
 fn axis_map(value: &Value<'_>) -> Result<DQuat, RigError> {
+    let (map, determinant) = read_axes(value)?;
+    if determinant < 0.0 {
+        return Err(value.error(
+            "is a mirror, not a rotation",
+            "change the sign of one axis, or swap two",
+        ));
+    }
+    Ok(DQuat::from_mat3(&map).normalize())
+}
+
+/// Where the source's x, y and z point in the target, each an axis with its sign, as the columns
+/// of a matrix; and its determinant, 1 or −1.
+pub(crate) fn read_axes(value: &Value<'_>) -> Result<(DMat3, f64), RigError> {
     const AXES: [(&str, DVec3); 9] = [
         ("+x", DVec3::X),
         ("-x", DVec3::NEG_X),
@@ -92,11 +105,5 @@ fn axis_map(value: &Value<'_>) -> Result<DQuat, RigError> {
             "name each of x, y and z once, with its sign",
         ));
     }
-    if determinant < 0.0 {
-        return Err(value.error(
-            "is a mirror, not a rotation",
-            "change the sign of one axis, or swap two",
-        ));
-    }
-    Ok(DQuat::from_mat3(&map).normalize())
+    Ok((map, determinant))
 }

@@ -36,7 +36,9 @@ fn the_workbench_is_what_its_file_says() {
     let head = rig.head.as_ref().unwrap();
     assert_eq!(head.sensor.as_ref().unwrap().to_string(), "flock/1");
     assert_eq!(head.eyes.interpupillary, 0.063);
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     assert_eq!((flock.birds, flock.baud), (2, 115_200));
     assert_eq!(flock.range, Range::Inches72);
     assert_eq!(flock.hemisphere, Hemisphere::Upper);
@@ -353,13 +355,17 @@ fn sensors_are_smoothed_and_predicted_as_their_tables_say() {
 fn a_port_may_come_from_the_command_line() {
     let mut rig = Rig::builtin("workbench").unwrap();
     rig.set_port("flock", Path::new("/tmp/flock")).unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     assert_eq!(flock.port, "/tmp/flock");
     let error = rig.set_port("glove", Path::new("/tmp/x")).unwrap_err();
     assert!(error.to_string().contains("it has: flock"), "{error}");
     assert!(rig.set_port("flock", Path::new("/tmp/a b|c")).is_err());
     rig.set_port("flock", Path::new("near")).unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     assert!(flock.port.starts_with('/') && flock.port.ends_with("/near"));
 }
 
@@ -371,7 +377,9 @@ fn angles_are_the_flocks_own() {
         1,
     );
     let rig = Rig::parse(&text, "angles").unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     let turned = flock.table_from_tracker.direction(DVec3::X);
     assert!((turned - DVec3::Y).length() < 1e-12);
     assert!(flock.table_from_tracker.rotation.dot(DQuat::IDENTITY) > 0.7);
@@ -381,7 +389,9 @@ fn angles_are_the_flocks_own() {
 fn an_extended_range_controller_takes_its_own_address() {
     let text = workbench().replacen("range = 72", "range = 144\nerc_address = 1", 1);
     let rig = Rig::parse(&text, "erc").unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     assert_eq!(flock.units(), 3);
     assert_eq!(flock.addresses(), [2, 3]);
 }

@@ -152,7 +152,9 @@ mod linux {
 
     /// Reads the driver's commands until it asks for the status, and answers.
     fn answer_startup(host: &mut TTYPort, rig: &Rig) {
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         assert!(startup(flock).iter().any(|step| step.what == "stream"));
         host.set_timeout(Duration::from_secs(10))
             .expect("a timeout");
@@ -172,7 +174,9 @@ mod linux {
 
     /// Writes cycle after cycle at their times.
     fn write(host: &mut TTYPort, rig: &Rig, clock: Clock, written: &[AtomicU64]) {
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         let (layout, scale) = (layout(flock), Scale::of(flock));
         let start = Instant::now();
         let mut bytes = Vec::new();
@@ -219,7 +223,9 @@ mod linux {
         written: &[AtomicU64],
         latencies: &mut Vec<f64>,
     ) {
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         let sensor = SensorName {
             device: "flock".into(),
             number,

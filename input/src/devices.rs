@@ -1,9 +1,8 @@
 //! All devices of a rig, each in a thread of its own.
 
 use crate::device_thread::DeviceThread;
-use crate::flock;
 use crate::recording::{DeviceEvent, Recorder};
-use crate::{Clock, Hub, Sample, Stream, StreamCounts};
+use crate::{Clock, Hub, Sample, Stream, StreamCounts, dtrack, flock, vrpn};
 use crossbeam_channel::Sender;
 use sandtable_config::{Device, Rig};
 use sandtable_pose::Nanos;
@@ -91,6 +90,8 @@ impl Devices {
                 .name(format!("device {name}"))
                 .spawn(move || match device {
                     Device::Flock(flock) => flock::driver::run(&flock, driven),
+                    Device::Vrpn(vrpn) => vrpn::driver::run(&vrpn, driven),
+                    Device::Dtrack(dtrack) => dtrack::driver::run(&dtrack, driven),
                 })
                 .map_err(|source| DevicesError {
                     device: name.clone(),
@@ -173,8 +174,12 @@ impl Outlet {
     }
 
     pub(crate) fn event(&self, event: DeviceEvent) {
+        let now = self.clock.now();
         if let Some(recorder) = &self.recorder {
-            recorder.event(&self.device, self.clock.now(), event);
+            recorder.event(&self.device, now, event);
+        }
+        if event == DeviceEvent::Lost {
+            self.hub.let_go(&self.device, now);
         }
     }
 

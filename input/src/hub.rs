@@ -5,20 +5,25 @@
 //! waits long for a reader, and none for another sensor's.
 
 use crate::flock::record_period;
-use crate::{AxesSample, ButtonsSample, HandState, PoseSample, Sample};
-use sandtable_config::{Device, Rig, SensorName, SensorSettings};
+use crate::{AXES, AxesSample, ButtonsSample, HandSample, HandState, PoseSample, Sample};
+use crossbeam_channel::{Receiver, Sender, TrySendError};
+use sandtable_config::{Device, Dtrack, Rig, SensorName, SensorSettings, Vrpn};
 use sandtable_motion::{Estimate, FilterSettings, TrackerFilter};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Samples by sensor and time. The sensors are those of the rig that it was made for.
 #[derive(Debug, Default)]
 pub struct Hub {
     /// Each device's sensors, number 1 first.
-    devices: BTreeMap<String, Vec<Sensor>>,
+    devices: BTreeMap<Arc<str>, Vec<Sensor>>,
+    listeners: Mutex<Vec<Sender<Heard>>>,
 }
+
+/// A sample that a listener hears of, and the name of its device.
+pub(crate) type Heard = (Arc<str>, Sample);
 
 #[derive(Debug)]
 struct Sensor {
@@ -42,10 +47,15 @@ impl Hub {
     #[must_use]
     pub fn for_rig(rig: &Rig) -> Self {
         let sensors = |(name, device): (&String, &Device)| {
-            let Device::Flock(flock) = device;
+            let (held_after, lost_after, period) = match device {
+                Device::Flock(flock) => (flock.held_after, flock.lost_after, record_period(flock)),
+                Device::Vrpn(Vrpn { tracking, .. }) | Device::Dtrack(Dtrack { tracking, .. }) => {
+                    (tracking.held_after, tracking.lost_after, tracking.period())
+                }
+            };
             // A slow line brings records less often than a pose may be old.
-            let held_after = flock.held_after.max(3 * record_period(flock));
-            let lost_after = flock.lost_after.max(held_after);
+            let held_after = held_after.max(3 * period);
+            let lost_after = lost_after.max(held_after);
             let sensor = |number| {
                 let sensor = SensorName {
                     device: name.clone(),
@@ -54,18 +64,29 @@ impl Hub {
                 let settings = rig.sensors.get(&sensor).copied().unwrap_or_default();
                 Sensor::new(settings, held_after, lost_after)
             };
-            (name.clone(), (1..=device.sensors()).map(sensor).collect())
+            let sensors = (1..=device.sensors()).map(sensor).collect();
+            (name.as_str().into(), sensors)
         };
         Self {
             devices: rig.devices.iter().map(sensors).collect(),
+            listeners: Mutex::default(),
         }
     }
 
     /// Adds a sample of a device's sensor; one of an unknown sensor is ignored.
     pub fn push(&self, device: &str, sample: Sample) {
-        let Some(sensor) = self.sensor(device, sample.sensor()) else {
+        let Some((name, sensor)) = self.sensor(device, sample.sensor()) else {
             return;
         };
+        let mut listeners = self.listeners();
+        if !listeners.is_empty() {
+            // A listener that is too slow misses samples; nobody waits for it.
+            listeners.retain(|listener| {
+                let result = listener.try_send((Arc::clone(name), sample));
+                !matches!(result, Err(TrySendError::Disconnected(_)))
+            });
+        }
+        drop(listeners);
         match sample {
             Sample::Pose(sample) => {
                 sensor.poses.push(sample);
@@ -76,6 +97,60 @@ impl Hub {
             Sample::Buttons(sample) => sensor.buttons.push(sample),
             Sample::Axes(sample) => sensor.axes.push(sample),
             Sample::Hand(sample) => sensor.hands.push((sample.time, sample.hand)),
+        }
+    }
+
+    /// Every sample pushed from now on, in order. Up to `room` of them wait for their reader; what
+    /// comes while there is no room is missed.
+    pub(crate) fn listen(&self, room: usize) -> Receiver<Heard> {
+        let (listener, heard) = crossbeam_channel::bounded(room);
+        self.listeners().push(listener);
+        heard
+    }
+
+    /// Lets go what a device holds that has gone away at `time`: its buttons, its axes, and what is
+    /// known of its hands. A button must not stay pressed because its cable was pulled.
+    pub(crate) fn let_go(&self, device: &str, time: Nanos) {
+        let count = self.devices.get(device).map_or(0, Vec::len);
+        for sensor in 1..=u32::try_from(count).unwrap_or(u32::MAX) {
+            let name = SensorName {
+                device: device.to_owned(),
+                number: sensor,
+            };
+            // The newest, whatever its time.
+            let end = Nanos(u64::MAX);
+            if self
+                .buttons_at(&name, end)
+                .is_some_and(|pressed| pressed != 0)
+            {
+                let pressed = 0;
+                let released = ButtonsSample {
+                    sensor,
+                    time,
+                    pressed,
+                };
+                self.push(device, Sample::Buttons(released));
+            }
+            if let Some(axes) = self.axes_at(&name, end)
+                && axes.values.iter().any(|value| *value != 0.0)
+            {
+                let values = [0.0; AXES];
+                self.push(
+                    device,
+                    Sample::Axes(AxesSample {
+                        time,
+                        values,
+                        ..axes
+                    }),
+                );
+            }
+            if self
+                .hand_at(&name, end)
+                .is_some_and(|hand| hand != HandState::default())
+            {
+                let hand = HandState::default();
+                self.push(device, Sample::Hand(HandSample { sensor, time, hand }));
+            }
         }
     }
 
@@ -134,7 +209,7 @@ impl Hub {
     pub fn sensors(&self) -> impl Iterator<Item = SensorName> {
         self.devices.iter().flat_map(|(device, sensors)| {
             (1..).zip(sensors).map(|(number, _)| SensorName {
-                device: device.clone(),
+                device: device.to_string(),
                 number,
             })
         })
@@ -152,12 +227,21 @@ impl Hub {
     }
 
     fn named(&self, name: &SensorName) -> Option<&Sensor> {
-        self.sensor(&name.device, name.number)
+        let (_, sensor) = self.sensor(&name.device, name.number)?;
+        Some(sensor)
     }
 
-    fn sensor(&self, device: &str, number: u32) -> Option<&Sensor> {
+    fn sensor(&self, device: &str, number: u32) -> Option<(&Arc<str>, &Sensor)> {
         let index = number.checked_sub(1)? as usize;
-        self.devices.get(device)?.get(index)
+        let (name, sensors) = self.devices.get_key_value(device)?;
+        Some((name, sensors.get(index)?))
+    }
+
+    fn listeners(&self) -> MutexGuard<'_, Vec<Sender<Heard>>> {
+        // Nothing that can panic runs under the lock.
+        self.listeners
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -393,5 +477,64 @@ mod tests {
         assert_eq!(hub.hand_at(&head(), time(10)), Some(hand));
         hub.clear();
         assert_eq!((at(1000), hub.hand_at(&head(), time(10))), (None, None));
+    }
+
+    #[test]
+    fn what_a_lost_device_holds_is_let_go_and_its_poses_stay() {
+        let hub = hub();
+        let time = |ms: u64| Nanos(ms * 1_000_000);
+        let mut values = [0.0; AXES];
+        values[1] = -1.0;
+        hub.push("flock", Sample::Pose(sample(10, 0.5)));
+        for sensor in 1..=2 {
+            hub.push(
+                "flock",
+                Sample::Buttons(ButtonsSample {
+                    sensor,
+                    time: time(10),
+                    pressed: 0b11,
+                }),
+            );
+        }
+        hub.push(
+            "flock",
+            Sample::Axes(AxesSample {
+                sensor: 1,
+                time: time(10),
+                values,
+                count: 2,
+            }),
+        );
+        hub.let_go("glove", time(20));
+        assert_eq!(hub.buttons_at(&head(), time(30)), Some(0b11));
+        hub.let_go("flock", time(20));
+        assert_eq!(hub.buttons_at(&head(), time(19)), Some(0b11));
+        assert_eq!(hub.buttons_at(&head(), time(20)), Some(0));
+        let axes = hub.axes_at(&head(), time(20)).unwrap();
+        assert_eq!((axes.values, axes.count), ([0.0; AXES], 2));
+        assert_eq!(validity(&hub, 10), Some(Validity::Live));
+        // What is let go already is not let go again.
+        let heard = hub.listen(8);
+        hub.let_go("flock", time(30));
+        assert_eq!(heard.len(), 0);
+    }
+
+    #[test]
+    fn listeners_hear_all_that_they_have_room_for_and_hold_nobody_up() {
+        let hub = hub();
+        hub.push("flock", Sample::Pose(sample(0, 0.0)));
+        let heard = hub.listen(3);
+        for ms in 1..=5 {
+            hub.push("flock", Sample::Pose(sample(ms, ms as f64)));
+        }
+        hub.push("glove", Sample::Pose(sample(6, 6.0)));
+        let times: Vec<_> = heard
+            .try_iter()
+            .map(|(_, s)| s.time().0 / 1_000_000)
+            .collect();
+        assert_eq!(times, [1, 2, 3]);
+        drop(heard);
+        hub.push("flock", Sample::Pose(sample(7, 7.0)));
+        assert_eq!(hub.listeners().len(), 0);
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! a port --bytes--> driver --+--> Stream --samples--> Hub --pose_at(t)--> viewer
-//!                            |      ^
-//!                            v      |
+//!                            |      ^                   |
+//!                            v      |                   +--> VrpnServer --> others' programs
 //!                        Recorder  Replay (virtual clock)
 //! gamepad --state--> map_gamepad --> FlightAxes
 //! ```
@@ -24,7 +24,9 @@
 //!
 //! let rig = Rig::builtin("workbench").unwrap();
 //! let device_in_rig = &rig.devices["flock"];
-//! let Device::Flock(flock) = device_in_rig;
+//! let Device::Flock(flock) = device_in_rig else {
+//!     panic!("the workbench has a Flock");
+//! };
 //! let mut device = SimulatedFlock::new(SimulatorSettings::default());
 //! let mut now = Duration::ZERO;
 //! for step in sandtable_input::flock::startup(flock) {
@@ -51,14 +53,20 @@
 mod clock;
 mod device_thread;
 mod devices;
+pub mod dtrack;
 mod flight;
 pub mod flock;
 mod gamepad;
+mod gate;
 mod hub;
 pub mod recording;
 mod sample;
 mod serial_line;
 mod stream;
+mod tcp_line;
+mod track;
+mod tracked_sensors;
+pub mod vrpn;
 
 pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};
@@ -71,3 +79,4 @@ pub use sample::{
 };
 pub use serial_line::SerialError;
 pub use stream::{Stream, StreamCounts, stream_of};
+pub use tcp_line::TcpError;

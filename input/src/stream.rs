@@ -1,7 +1,9 @@
 //! Streams: from a device's bytes and their arrival times to samples.
 
 use crate::Sample;
+use crate::dtrack::DtrackStream;
 use crate::flock::FlockStream;
+use crate::vrpn::VrpnStream;
 use sandtable_config::Device;
 use sandtable_pose::Nanos;
 use std::fmt::Debug;
@@ -46,5 +48,7 @@ pub struct StreamCounts {
 pub fn stream_of(device: &Device) -> Box<dyn Stream> {
     match device {
         Device::Flock(flock) => Box::new(FlockStream::new(flock)),
+        Device::Vrpn(vrpn) => Box::new(VrpnStream::new(vrpn)),
+        Device::Dtrack(dtrack) => Box::new(DtrackStream::new(dtrack)),
     }
 }

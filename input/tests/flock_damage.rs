@@ -20,7 +20,9 @@ const DAMAGED: u32 = 6;
 /// The workbench's Flock, in another format.
 fn flock(format: RecordFormat, birds: u32, confirm: Confirm) -> Flock {
     let rig = Rig::builtin("workbench").unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     Flock {
         format,
         birds,

@@ -96,7 +96,9 @@ impl Session {
     }
 
     fn expected(&self, motion: Motion, number: u32, seconds: f64) -> Rigid {
-        let Device::Flock(flock) = &self.rig.devices["flock"];
+        let Device::Flock(flock) = &self.rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         flock.table_from_tracker * motion.pose(number, seconds)
     }
 

@@ -18,7 +18,9 @@ use std::time::{Duration, Instant};
 
 /// The reads of a simulated Flock's first `cycles` cycles, each with its time.
 fn reads(rig: &Rig, cycles: u64) -> Vec<(Nanos, Vec<u8>)> {
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     let mut device = SimulatedFlock::new(SimulatorSettings {
         motions: vec![Motion::named("circle").unwrap()],
         ..SimulatorSettings::default()
@@ -47,7 +49,9 @@ fn placement() -> Value {
 
 fn record(path: &Path, reads: &[(Nanos, Vec<u8>)]) -> Vec<PoseSample> {
     let rig = Rig::builtin("workbench").unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     let recorder = Recorder::create(path, &rig, Some(&placement()), Nanos(500)).unwrap();
     recorder.event("flock", Nanos(1000), DeviceEvent::Started);
     let mut stream = FlockStream::new(flock);
@@ -141,7 +145,9 @@ fn a_recorded_flock_moves_a_simulated_one_as_it_moved() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "motion.mcap");
     let rig = Rig::builtin("workbench").unwrap();
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     let samples = record(&path, &reads(&rig, 150));
     let replay = Replay::open(&path).unwrap();
     assert_eq!(replay.samples("glove"), []);

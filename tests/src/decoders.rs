@@ -23,7 +23,9 @@ pub const DECODERS: [(&str, Decoder); 3] = [
 /// Flocks of every format, alone and in a group, plain and with all that a record can bring.
 static FLOCKS: LazyLock<Vec<Flock>> = LazyLock::new(|| {
     let rig = Rig::builtin("workbench").expect("built in");
-    let Device::Flock(flock) = &rig.devices["flock"];
+    let Device::Flock(flock) = &rig.devices["flock"] else {
+        panic!("the workbench has a Flock");
+    };
     let of = |format, birds, more: bool| Flock {
         format,
         birds,

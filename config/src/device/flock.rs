@@ -1,6 +1,7 @@
 //! Ascension's Flock of Birds.
 
 use super::port::read_port;
+use super::tracking::{read_ages, read_speeds};
 use crate::RigError;
 use crate::fields::Fields;
 use crate::rigid::read_rigid;
@@ -220,21 +221,8 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         Some(value) => value.number(range, "seconds").map(Duration::from_secs_f64),
         None => Ok(Duration::from_secs_f64(default)),
     };
-    let milliseconds = |key: &str, default: f64| match fields.get(key) {
-        Some(value) => value
-            .number(1.0..=60_000.0, "milliseconds")
-            .map(|ms| Duration::from_secs_f64(ms * 1e-3)),
-        None => Ok(Duration::from_secs_f64(default * 1e-3)),
-    };
-    let held_after = milliseconds("held_after_ms", 30.0)?;
-    let lost_after = milliseconds("lost_after_ms", 250.0)?;
-    if lost_after < held_after {
-        return Err(fields.error(
-            "lost_after_ms",
-            "is less than `held_after_ms`",
-            "write at least as much: a pose is held before it is lost",
-        ));
-    }
+    let (held_after, lost_after) = read_ages(fields)?;
+    let (max_speed, max_turn) = read_speeds(fields)?;
     Ok(Flock {
         port,
         baud,
@@ -303,14 +291,8 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         silence_after: quick("silence_after", 1.5, 0.6..=30.0)?,
         held_after,
         lost_after,
-        max_speed: match fields.get("max_speed") {
-            Some(value) => value.number(0.1..=100.0, "metres a second")?,
-            None => 5.0,
-        },
-        max_turn: match fields.get("max_turn") {
-            Some(value) => value.number(10.0..=20_000.0, "degrees a second")?,
-            None => 1000.0,
-        },
+        max_speed,
+        max_turn,
         table_from_tracker: read_rigid(
             &fields.need(
                 "table_from_tracker",

@@ -1,28 +1,44 @@
 //! Devices: what is plugged in where, and how it sits in the table's frame. One file a kind.
 
+mod axis_map;
+mod dtrack;
 mod flock;
 mod port;
+mod tracking;
+mod vrpn;
 
+pub use axis_map::AxisMap;
+pub use dtrack::Dtrack;
 pub use flock::{
     Addressing, Confirm, Flock, FlockMode, Hemisphere, QuaternionSign, Range, RecordFormat,
 };
 pub(crate) use port::port_remedy;
+pub use tracking::Tracking;
+pub use vrpn::{VRPN_PORT, Vrpn, VrpnAddress, VrpnPart};
 
 use crate::RigError;
 use crate::fields::Value;
+use dtrack::read_dtrack;
 use flock::read_flock;
+use vrpn::read_vrpn;
 
 /// A device of the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Device {
     /// An Ascension Flock of Birds on a serial line.
     Flock(Flock),
+    /// A device of a VRPN server, by TCP.
+    Vrpn(Vrpn),
+    /// An ART DTrack controller, by UDP.
+    Dtrack(Dtrack),
 }
 
 /// The kinds, as they are written.
 #[derive(Clone, Copy)]
 enum Kind {
     Flock,
+    Vrpn,
+    Dtrack,
 }
 
 impl Device {
@@ -31,6 +47,8 @@ impl Device {
     pub fn sensors(&self) -> u32 {
         match self {
             Self::Flock(flock) => flock.birds,
+            Self::Vrpn(vrpn) => vrpn.sensors,
+            Self::Dtrack(dtrack) => dtrack.bodies + dtrack.flysticks,
         }
     }
 
@@ -38,6 +56,7 @@ impl Device {
     pub(crate) fn port_mut(&mut self) -> Option<&mut String> {
         match self {
             Self::Flock(flock) => Some(&mut flock.port),
+            Self::Vrpn(_) | Self::Dtrack(_) => None,
         }
     }
 }
@@ -45,10 +64,19 @@ impl Device {
 pub(crate) fn read_device(value: &Value<'_>) -> Result<Device, RigError> {
     let fields = value.fields()?;
     let kind = fields
-        .need("kind", "write kind = \"flock-of-birds\"")?
-        .choice(&[("flock-of-birds", Kind::Flock)])?;
+        .need(
+            "kind",
+            "write what it is: \"flock-of-birds\", \"vrpn\" or \"dtrack\"",
+        )?
+        .choice(&[
+            ("flock-of-birds", Kind::Flock),
+            ("vrpn", Kind::Vrpn),
+            ("dtrack", Kind::Dtrack),
+        ])?;
     let device = match kind {
         Kind::Flock => Device::Flock(read_flock(&fields)?),
+        Kind::Vrpn => Device::Vrpn(read_vrpn(&fields)?),
+        Kind::Dtrack => Device::Dtrack(read_dtrack(&fields)?),
     };
     fields.finish()?;
     Ok(device)

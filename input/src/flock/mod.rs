@@ -11,7 +11,6 @@
 mod decoder;
 pub(crate) mod driver;
 mod format;
-mod gate;
 mod measurement;
 mod record;
 mod simulator;

@@ -161,7 +161,9 @@ mod tests {
 
     fn flock(edit: impl Fn(&mut Flock)) -> Flock {
         let rig = Rig::builtin("workbench").unwrap();
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         let mut flock = flock.clone();
         edit(&mut flock);
         flock

@@ -3,9 +3,10 @@
 //! Live driver and replay run the same stream, so that a recording gives the same samples.
 
 use super::decoder::Decoder;
-use super::gate::{Gate, GateLimits};
 use super::measurement::Scale;
 use super::record::{Layout, PHASE, Record, Words, buttons_pressed};
+use crate::gate::GateLimits;
+use crate::track::Track;
 use crate::{ButtonsSample, PoseSample, Sample, Stream, StreamCounts};
 use sandtable_config::{Confirm, Flock};
 use sandtable_pose::{Nanos, Rigid};
@@ -34,12 +35,7 @@ pub struct FlockStream {
 /// What is remembered of one bird.
 #[derive(Clone, Debug, Default)]
 struct Bird {
-    gate: Gate,
-    words: Option<Words>,
-    equal: u32,
-    newest: Nanos,
-    /// Whether the newest record's pose was let out.
-    believed: bool,
+    track: Track<Words>,
     buttons: Option<u64>,
 }
 
@@ -70,60 +66,48 @@ impl FlockStream {
     /// The first bird of which no record has come since the stream was made or restarted.
     #[must_use]
     pub fn missing_bird(&self) -> Option<u32> {
-        let missing = |(number, bird): (u32, &Bird)| bird.words.is_none().then_some(number);
+        let missing = |(number, bird): (u32, &Bird)| (!bird.track.is_heard()).then_some(number);
         (1..).zip(&self.birds).find_map(missing)
     }
 
-    /// Hands out what a record says.
+    /// Hands out what a record says: its buttons too, where they have changed, but nothing of one
+    /// whose pose is not believed.
     fn record(&mut self, record: &Record, began: Nanos, out: &mut dyn FnMut(Sample)) {
-        if let Some(sample) = self.pose(record.bird, &record.words, began) {
+        let Some(pose) = self.pose(record.bird, &record.words, began) else {
+            return;
+        };
+        self.counts.samples += 1;
+        out(Sample::Pose(pose));
+        let pressed = record.buttons.map(buttons_pressed);
+        let bird = &mut self.birds[pose.sensor as usize - 1];
+        if let Some(pressed) = pressed
+            && bird.buttons.replace(pressed) != Some(pressed)
+        {
             self.counts.samples += 1;
-            out(Sample::Pose(sample));
+            out(Sample::Buttons(ButtonsSample {
+                sensor: pose.sensor,
+                time: pose.time,
+                pressed,
+            }));
         }
-        if let Some(sample) = self.buttons(record) {
-            self.counts.samples += 1;
-            out(Sample::Buttons(sample));
-        }
-    }
-
-    /// The buttons, where they have changed and the record's pose was believed.
-    fn buttons(&mut self, record: &Record) -> Option<ButtonsSample> {
-        let pressed = buttons_pressed(record.buttons?);
-        let bird = self.birds.get_mut(record.bird.checked_sub(1)? as usize)?;
-        let believed = bird.believed;
-        let new = believed && bird.buttons.replace(pressed) != Some(pressed);
-        new.then_some(ButtonsSample {
-            sensor: record.bird,
-            time: bird.newest,
-            pressed,
-        })
     }
 
     fn pose(&mut self, number: u32, words: &Words, began: Nanos) -> Option<PoseSample> {
         let bird = self.birds.get_mut(number.checked_sub(1)? as usize)?;
-        if bird.words.as_ref() == Some(words) {
-            bird.equal = bird.equal.saturating_add(1);
-        } else {
-            bird.equal = 1;
-            bird.words = Some(*words);
-        }
-        bird.believed = false;
+        bird.track.hear(*words);
         let Some(pose) = self.scale.pose(words) else {
             self.counts.implausible += 1;
             return None;
         };
-        let time = began.max(bird.newest + Duration::from_nanos(1));
-        if !bird.gate.admits(&self.limits, time, &pose) {
+        let Some(time) = bird.track.admit(&self.limits, began, &pose) else {
             self.counts.refused += 1;
             return None;
-        }
-        bird.newest = time;
-        bird.believed = true;
+        };
         Some(PoseSample {
             sensor: number,
             time,
             table_from_sensor: self.table_from_tracker * pose,
-            frozen: bird.equal >= FROZEN_AFTER,
+            frozen: bird.track.equal() >= FROZEN_AFTER,
         })
     }
 }
@@ -156,10 +140,8 @@ impl Stream for FlockStream {
         self.decoder.restart();
         self.unconfirmed = None;
         for bird in &mut self.birds {
-            *bird = Bird {
-                newest: bird.newest,
-                ..Bird::default()
-            };
+            bird.track.restart();
+            bird.buttons = None;
         }
     }
 
@@ -210,7 +192,9 @@ mod tests {
 
     fn flock() -> Flock {
         let rig = Rig::builtin("workbench").unwrap();
-        let Device::Flock(flock) = &rig.devices["flock"];
+        let Device::Flock(flock) = &rig.devices["flock"] else {
+            panic!("the workbench has a Flock");
+        };
         flock.clone()
     }
 

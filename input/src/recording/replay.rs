@@ -174,7 +174,7 @@ impl Replay {
                     });
                 }
                 What::Event(DeviceEvent::Started) => stream.restart(),
-                What::Event(DeviceEvent::Lost) => {}
+                What::Event(DeviceEvent::Lost) => hub.let_go(&entry.device, entry.arrival),
             }
         }
     }

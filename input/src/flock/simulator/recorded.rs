@@ -18,7 +18,9 @@ impl RecordedMotion {
     /// recorded.
     #[must_use]
     pub fn of(replay: &Replay, device: &str) -> Option<Self> {
-        let Device::Flock(flock) = replay.rig().devices.get(device)?;
+        let Device::Flock(flock) = replay.rig().devices.get(device)? else {
+            return None;
+        };
         let tracker_from_table = flock.table_from_tracker.inverse();
         let mut birds = vec![Vec::new(); flock.birds as usize];
         for sample in replay.samples(device) {

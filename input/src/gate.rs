@@ -1,6 +1,7 @@
 //! The gate: jumps that no head or hand makes are not let out.
 //!
-//! Bytes carry no checksum, so an altered one shows only by what it says. A pose passes when the
+//! A serial line's bytes carry no checksum, and a tracker that mistakes one body for another says so
+//! to nobody: what is wrong shows only by what it says. A pose passes when the
 //! sensor could have come there from the last pose that passed. Once that one is too old to say
 //! anything, two records in a row must agree: the first alone could be the altered one.
 

@@ -1,0 +1,153 @@
+//! The offer: which senders a hub's sensors are, and what their samples are in VRPN's words.
+
+use crate::vrpn::{BigEndian, Report, TrackerPose};
+use crate::{AXES, Hub, Sample};
+use sandtable_config::SensorName;
+use sandtable_pose::Nanos;
+use std::collections::BTreeMap;
+
+/// The most buttons of one sensor.
+const BUTTONS: usize = u64::BITS as usize;
+
+/// All senders, and how their buttons and channels are.
+#[derive(Debug, Default)]
+pub(super) struct Offer {
+    senders: Vec<Standing>,
+    /// Each device's senders, that of sensor 1 first.
+    devices: BTreeMap<String, Vec<usize>>,
+}
+
+/// How one sender's buttons and channels are, so far as is known.
+#[derive(Debug, Default)]
+struct Standing {
+    name: String,
+    pressed: Option<u64>,
+    /// One more than the highest button ever pressed.
+    buttons: usize,
+    channels: Option<([f64; AXES], usize)>,
+}
+
+impl Offer {
+    /// What `hub` has, as it is now.
+    pub(super) fn of(hub: &Hub) -> Self {
+        let mut offer = Self::default();
+        for sensor in hub.sensors() {
+            let name = match sensor.number {
+                1 => sensor.device.clone(),
+                _ => sensor.to_string(),
+            };
+            let senders = offer.devices.entry(sensor.device.clone()).or_default();
+            senders.push(offer.senders.len());
+            offer.senders.push(Standing {
+                name,
+                ..Standing::default()
+            });
+            offer.take_standing(hub, &sensor);
+        }
+        offer
+    }
+
+    /// Takes what buttons and axes were before anyone listened.
+    fn take_standing(&mut self, hub: &Hub, sensor: &SensorName) {
+        let end = Nanos(u64::MAX);
+        let Some(standing) = self.senders.last_mut() else {
+            return;
+        };
+        if let Some(pressed) = hub.buttons_at(sensor, end) {
+            standing.press(pressed);
+        }
+        if let Some(axes) = hub.axes_at(sensor, end) {
+            standing.channels = Some((axes.values, axes.count.min(AXES)));
+        }
+    }
+
+    /// The senders' names, in the order of their numbers.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.senders.iter().map(|standing| standing.name.as_str())
+    }
+
+    /// Tells what a sample says to all who are here.
+    pub(super) fn tell(
+        &mut self,
+        device: &str,
+        sample: &Sample,
+        out: &mut dyn FnMut(i32, &Report<'_>),
+    ) {
+        let Some(senders) = self.devices.get(device) else {
+            return;
+        };
+        let index = sample.sensor().wrapping_sub(1);
+        let (Some(&tracker), Some(&sender)) = (senders.first(), senders.get(index as usize)) else {
+            return;
+        };
+        let standing = &mut self.senders[sender];
+        match sample {
+            // The sensor is lost, and says so by its silence.
+            Sample::Pose(pose) if pose.frozen => {}
+            Sample::Pose(pose) => {
+                let report = Report::Pose(TrackerPose {
+                    sensor: index.cast_signed(),
+                    position: pose.table_from_sensor.translation,
+                    rotation: pose.table_from_sensor.rotation,
+                });
+                out(number(tracker), &report);
+            }
+            Sample::Buttons(buttons) => {
+                let changed = standing.pressed.unwrap_or(0) ^ buttons.pressed;
+                standing.press(buttons.pressed);
+                for button in (0..BUTTONS).filter(|n| changed >> n & 1 == 1) {
+                    let report = Report::ButtonChange {
+                        button: button as i32,
+                        state: i32::from(buttons.pressed >> button & 1 == 1),
+                    };
+                    out(number(sender), &report);
+                }
+            }
+            Sample::Axes(axes) => {
+                standing.channels = Some((axes.values, axes.count.min(AXES)));
+                standing.tell_channels(number(sender), out);
+            }
+            Sample::Hand(hand) => {
+                if let Some(flexion) = hand.hand.flexion {
+                    let mut values = [0.0; AXES];
+                    values[..flexion.len()].copy_from_slice(&flexion);
+                    standing.channels = Some((values, flexion.len()));
+                    standing.tell_channels(number(sender), out);
+                }
+            }
+        }
+    }
+
+    /// Tells how all buttons and channels are, to one who comes late.
+    pub(super) fn tell_standing(&self, out: &mut dyn FnMut(i32, &Report<'_>)) {
+        for (sender, standing) in self.senders.iter().enumerate() {
+            if let Some(pressed) = standing.pressed {
+                let state = |n: usize| i32::from(pressed >> n & 1 == 1).to_be_bytes();
+                let states: [_; BUTTONS] = std::array::from_fn(state);
+                let report = Report::ButtonStates(BigEndian(&states[..standing.buttons]));
+                out(number(sender), &report);
+            }
+            standing.tell_channels(number(sender), out);
+        }
+    }
+}
+
+impl Standing {
+    fn press(&mut self, pressed: u64) {
+        self.pressed = Some(pressed);
+        let highest = (u64::BITS - pressed.leading_zeros()) as usize;
+        self.buttons = self.buttons.max(highest);
+    }
+
+    fn tell_channels(&self, sender: i32, out: &mut dyn FnMut(i32, &Report<'_>)) {
+        if let Some((values, count)) = &self.channels {
+            let values = values.map(f64::to_be_bytes);
+            out(sender, &Report::Channels(BigEndian(&values[..*count])));
+        }
+    }
+}
+
+/// A sender's number on every connection.
+fn number(sender: usize) -> i32 {
+    i32::try_from(sender).unwrap_or(i32::MAX)
+}
