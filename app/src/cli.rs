@@ -9,6 +9,7 @@ pub(crate) use reproduce::{Paper, ReproduceArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -52,6 +53,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Record the rig's devices without opening the table.
     Record(RecordArgs),
+    /// Offer the rig's devices to other programs, as a VRPN server.
+    ServeVrpn(ServeVrpnArgs),
     /// List what is there to see, hear and touch with, and what is missing.
     Doctor(DoctorArgs),
 }
@@ -303,6 +306,27 @@ pub(crate) struct SimulateFlockArgs {
     /// Be silent from a second of the stream on, for some seconds; may be repeated.
     #[arg(long, value_name = "AT,FOR", value_parser = parse_stall)]
     pub(crate) stall: Vec<(Duration, Duration)>,
+}
+
+/// Arguments of `serve-vrpn`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  sandtable serve-vrpn --rig workbench --device flock=/dev/ttyUSB1\n  \
+    sandtable serve-vrpn --rig lab.toml --listen 0.0.0.0:3883"
+)]
+pub(crate) struct ServeVrpnArgs {
+    /// The rig: workbench, or a rig file.
+    #[arg(long, value_name = "RIG", default_value = "workbench")]
+    pub(crate) rig: String,
+
+    /// Use this port for a device of the rig (may be given once for each device).
+    #[arg(long, value_name = "NAME=PORT")]
+    pub(crate) device: Vec<String>,
+
+    /// Where to listen: an address of this computer and a port; 0.0.0.0 is all it has, and then
+    /// anyone who can reach it hears everything.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:3883")]
+    pub(crate) listen: SocketAddr,
 }
 
 /// Arguments of `record`.

@@ -16,6 +16,7 @@ mod rig;
 mod scene;
 mod session;
 mod tape;
+mod told;
 mod tour;
 mod track;
 mod vantage;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Some(Command::Reproduce(args)) => command::reproduce::run(args),
         Some(Command::Simulate(args)) => command::simulate::run(args),
         Some(Command::Record(args)) => command::record::run(args),
+        Some(Command::ServeVrpn(args)) => command::serve_vrpn::run(args),
         Some(Command::Doctor(args)) => command::doctor::run(args),
     })
 }

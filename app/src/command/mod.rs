@@ -8,4 +8,5 @@ pub(crate) mod info;
 pub(crate) mod record;
 pub(crate) mod render;
 pub(crate) mod reproduce;
+pub(crate) mod serve_vrpn;
 pub(crate) mod simulate;

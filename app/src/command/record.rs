@@ -4,10 +4,11 @@ use crate::cli::RecordArgs;
 use crate::exit::usage;
 use crate::session::Session;
 use crate::tape::{self, Tape};
+use crate::told::Told;
 use crate::{interrupt, rig, scene};
 use anyhow::{Context, Result, bail};
 use sandtable_cast::{CASTERS, CastPool};
-use sandtable_input::{Clock, Condition, Devices, Hub};
+use sandtable_input::{Clock, Devices, Hub};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let end = args
         .seconds
         .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
-    let mut said = Vec::new();
+    let mut told = Told::default();
     loop {
         let wait = end.map_or(PERIOD, |end| {
             PERIOD.min(end.saturating_duration_since(Instant::now()))
@@ -47,22 +48,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
         if stop.recv_timeout(wait).is_ok() || end.is_some_and(|end| Instant::now() >= end) {
             break;
         }
-        let conditions: Vec<_> = devices
-            .states()
-            .into_iter()
-            .map(|state| (state.name, state.condition))
-            .collect();
-        for (name, condition) in &conditions {
-            if !said.contains(&(name.clone(), condition.clone())) {
-                match condition {
-                    Condition::Starting => eprintln!("{name}: starting"),
-                    Condition::Streaming => eprintln!("{name}: streaming"),
-                    // Why it waits the driver has logged.
-                    Condition::Waiting(_) => eprintln!("{name}: waiting"),
-                }
-            }
-        }
-        said = conditions;
+        told.tell(&devices);
         if let Some(problem) = tape.recorder().problem() {
             bail!("{problem}");
         }

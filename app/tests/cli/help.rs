@@ -15,6 +15,7 @@ fn every_command_that_takes_something_has_an_example() {
         "simulate",
         "simulate flock",
         "record",
+        "serve-vrpn",
     ] {
         let said = folder.run(&format!("{command} --help")).done().out;
         let (_, examples) = said

@@ -15,5 +15,7 @@ mod recording;
 mod render;
 mod reproduce;
 #[cfg(unix)]
+mod serve_vrpn;
+#[cfg(unix)]
 mod simulate;
 mod track;
