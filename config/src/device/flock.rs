@@ -3,9 +3,10 @@
 use super::port::read_port;
 use crate::RigError;
 use crate::fields::Fields;
-use crate::rigid::read_rigid;
+use crate::rigid::read_measured_rigid;
 use sandtable_pose::Rigid;
 use std::time::Duration;
+use time::Date;
 
 /// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 14 birds.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +53,8 @@ pub struct Flock {
     pub max_turn: f64,
     /// From the transmitter's frame (x forward, y right, z down; metres) to the table's.
     pub table_from_tracker: Rigid,
+    /// When that was measured, where it was.
+    pub calibrated: Option<Date>,
 }
 
 impl Flock {
@@ -235,6 +238,13 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
             "write at least as much: a pose is held before it is lost",
         ));
     }
+    let (table_from_tracker, calibrated) = read_measured_rigid(
+        &fields.need(
+            "table_from_tracker",
+            "write { translation = [..], axes = [..] }: how the transmitter sits at the table",
+        )?,
+        "translation",
+    )?;
     Ok(Flock {
         port,
         baud,
@@ -311,13 +321,8 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
             Some(value) => value.number(10.0..=20_000.0, "degrees a second")?,
             None => 1000.0,
         },
-        table_from_tracker: read_rigid(
-            &fields.need(
-                "table_from_tracker",
-                "write { translation = [..], axes = [..] }: how the transmitter sits at the table",
-            )?,
-            "translation",
-        )?,
+        table_from_tracker,
+        calibrated,
     })
 }
 
