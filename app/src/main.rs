@@ -51,6 +51,7 @@ fn main() -> ExitCode {
         Some(Command::Reproduce(args)) => command::reproduce::run(args),
         Some(Command::Simulate(args)) => command::simulate::run(args),
         Some(Command::Record(args)) => command::record::run(args),
+        Some(Command::Calibrate(args)) => command::calibrate::run(args),
         Some(Command::Doctor(args)) => command::doctor::run(args),
     })
 }

@@ -80,6 +80,12 @@ impl Calibrated {
     }
 
     fn write(&self, document: &mut DocumentMut, date: Date) {
+        // Comments behind the last entry stay before a new table.
+        let behind = document.trailing().as_str().unwrap_or_default().to_owned();
+        let is_new = matches!(self, Self::Stylus { .. }) && !document.contains_key("stylus");
+        if is_new {
+            document.set_trailing("");
+        }
         let root = document.as_table_mut();
         let calibrated = ("calibrated", day(date));
         match self {
@@ -115,7 +121,14 @@ impl Calibrated {
             Self::Stylus { sensor, tip } => {
                 let stylus = root.entry("stylus").or_insert_with(|| {
                     let mut table = Table::new();
-                    table.decor_mut().set_prefix(STYLUS);
+                    let end = if behind.is_empty() || behind.ends_with('\n') {
+                        ""
+                    } else {
+                        "\n"
+                    };
+                    table
+                        .decor_mut()
+                        .set_prefix(format!("{behind}{end}{STYLUS}"));
                     Item::Table(table)
                 });
                 set(

@@ -128,6 +128,16 @@ fn a_stylus_comes_at_the_end_and_is_then_changed_in_place() {
 }
 
 #[test]
+fn a_comment_at_the_end_stays_before_what_is_added() {
+    for end in ["# The end.\n", "# The end."] {
+        let text = workbench().to_owned() + end;
+        let written = stylus().write_into(&text, "w.toml", date()).unwrap();
+        let (before, _) = written.split_once("\n\n# Marks are touched").unwrap();
+        assert!(before.ends_with("\n# The end."), "{written}");
+    }
+}
+
+#[test]
 fn eyes_change_one_line_and_line_ends_stay() {
     let dos = workbench().replace('\n', "\r\n");
     let written = eyes().write_into(&dos, "w.toml", date()).unwrap();
