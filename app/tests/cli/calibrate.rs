@@ -1,11 +1,11 @@
 //! `sandtable calibrate` at a simulated Flock whose birds are put where a hand would put them.
 
-use crate::program::{Ended, Folder, Running, sandtable, wait_for};
+use crate::program::{Ended, Folder, Running, isolate, sandtable};
 use glam::{DQuat, DVec3, EulerRot};
 use sandtable_config::{Device, Rig};
 use sandtable_pose::Rigid;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{ChildStdin, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -117,9 +117,19 @@ impl Bird {
 
     /// Puts `tip` of a stylus held at these angles on a place of the table.
     fn touch(&mut self, place: DVec3, tip: DVec3, angles: [f64; 3]) {
-        let tracker_from_table = table_from_tracker().inverse();
+        self.touch_from(&table_from_tracker(), place, tip, angles);
+    }
+
+    /// The same from a tracker that stands elsewhere.
+    fn touch_from(
+        &mut self,
+        table_from_tracker: &Rigid,
+        place: DVec3,
+        tip: DVec3,
+        angles: [f64; 3],
+    ) {
         let offset = rotation(angles) * tip;
-        self.put(tracker_from_table.point(place) - offset, angles);
+        self.put(table_from_tracker.inverse().point(place) - offset, angles);
     }
 }
 
@@ -145,6 +155,22 @@ impl Talk {
         let mut command = sandtable(folder.path());
         command.arg("calibrate").args(arguments.split(' '));
         command.args("--device flock=bird".split(' '));
+        Self::with(command)
+    }
+
+    /// The same where no file may grow above 8 KiB, as on a disk that fills up.
+    fn start_on_a_full_disk(folder: &Folder, arguments: &str) -> Self {
+        let program = env!("CARGO_BIN_EXE_sandtable");
+        let script = format!(
+            "trap '' XFSZ; ulimit -f 16; exec '{program}' calibrate {arguments} --device flock=bird"
+        );
+        let mut command = Command::new("sh");
+        isolate(&mut command, folder.path());
+        command.args(["-c", &script]);
+        Self::with(command)
+    }
+
+    fn with(mut command: Command) -> Self {
         command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -279,7 +305,7 @@ fn a_tracker_is_found_to_a_millimetre_and_every_comment_kept() {
     let day = flock.calibrated.unwrap();
     let kept = format!("rig.toml.bak-{day}");
     assert_eq!(folder.read(&kept), old.as_bytes());
-    assert_eq!(folder.names(), ["marks.toml", "rig.toml", &kept]);
+    assert_eq!(folder.names(), ["bird", "marks.toml", "rig.toml", &kept]);
 
     // And the check finds every mark where it is.
     let check = |moved: DVec3, within: &str| {
@@ -388,6 +414,72 @@ fn a_stylus_tip_is_found_by_pivoting() {
 }
 
 #[test]
+fn eyes_are_found_by_sightings() {
+    let folder = folder();
+    let middle = DVec3::new(0.04, 0.003, 0.03);
+    let rightwards = DVec3::new(0.05, 1.0, -0.03).normalize();
+    let interpupillary = 0.066;
+    let rig = calibrated(&folder, "rig.toml");
+    let Device::Flock(flock) = &rig.devices["flock"];
+    let arguments = "eyes --rig rig.toml --marks marks.toml -o mine.toml --sightings 4 \
+                     --pair post=back_left --pair post=back_right";
+    let named = marks(&MARKS).replace("back left", "back_left");
+    folder.write("marks.toml", named.replace("back right", "back_right"));
+    let (near, far) = (MARKS[4].1, [MARKS[3].1, MARKS[2].1]);
+    let mut bird = Bird::start(&folder, "");
+    let mut talk = Talk::start(&folder, arguments);
+    for (name, side) in [("left", -0.5), ("right", 0.5)] {
+        let eye = middle + side * interpupillary * rightwards;
+        for index in 0..4 {
+            talk.hear(&format!("{name} eye, {} of 4", index + 1));
+            let turn = index as f64;
+            let towards = (near - far[index % 2]).normalize();
+            let place = near + (0.3 + 0.05 * turn) * towards;
+            let angles = [25.0 * turn - 40.0, 12.0 * (turn - 1.5), 8.0 * turn];
+            bird.touch_from(&flock.table_from_tracker, place, eye, angles);
+            talk.measure();
+        }
+    }
+    talk.hear("q ends without");
+    talk.say("");
+    let ended = talk.end().done();
+    assert!(ended.out.contains("left eye: "), "{ended:?}");
+    assert_eq!(folder.read("rig.toml"), RIG.as_bytes());
+    let eyes = calibrated(&folder, "mine.toml").head.unwrap().eyes;
+    assert!(eyes.middle.distance(middle) < 2e-3, "{eyes:?}");
+    assert!(eyes.rightwards.angle_between(rightwards) < 0.05, "{eyes:?}");
+    assert!(
+        (eyes.interpupillary - interpupillary).abs() < 2e-3,
+        "{eyes:?}"
+    );
+    assert!(eyes.calibrated.is_some());
+}
+
+#[test]
+fn a_full_disk_keeps_the_old_rig_and_prints_what_was_measured() {
+    let folder = folder();
+    // What it was still fits, and with the measured numbers it does not.
+    let old = with_tip() + &"#".repeat(8192 - 10 - with_tip().len()) + "\n";
+    folder.write("rig.toml", &old);
+    folder.write("marks.toml", marks(&MARKS[..3]));
+    let mut bird = Bird::start(&folder, "");
+    let mut talk = Talk::start_on_a_full_disk(&folder, "tracker --rig rig.toml --marks marks.toml");
+    for (name, place) in &MARKS[..3] {
+        talk.hear(&format!("touch \"{name}\""));
+        bird.touch(*place, TIP, [0.0, 30.0, 0.0]);
+        talk.measure();
+    }
+    talk.hear("q ends without");
+    talk.say("");
+    let ended = talk.end();
+    assert!(ended.out.contains("\n+ table_from_tracker = "), "{ended:?}");
+    ended.failed(1, &["cannot write", "rig.toml", "full"]);
+    assert_eq!(folder.read("rig.toml"), old.as_bytes());
+    let left: Vec<_> = folder.names();
+    assert!(!left.iter().any(|name| name.ends_with(".part")), "{left:?}");
+}
+
+#[test]
 fn a_sensor_that_falls_silent_is_refused_with_its_reason() {
     let folder = folder();
     let _bird = Bird::start(&folder, "--stall 0.3,100000");
@@ -409,11 +501,32 @@ fn a_sensor_that_falls_silent_is_refused_with_its_reason() {
 }
 
 #[test]
+fn a_sensor_that_moves_is_refused_and_asked_again() {
+    let folder = folder();
+    let mut bird = Bird::start(&folder, "--motion circle");
+    let arguments = "check --rig rig.toml --marks marks.toml --sensor flock/1";
+    let mut talk = Talk::start(&folder, arguments);
+    talk.hear("touch \"front left\"");
+    talk.say("");
+    let refused = talk.hear("again: ");
+    for part in ["flock/1 moved by", "2 mm are allowed", "hold it still"] {
+        assert!(refused.contains(part), "no {part:?} in {refused}");
+    }
+    talk.hear("touch \"front left\"");
+    bird.put(DVec3::new(-0.1, 0.2, -0.5), [0.0; 3]);
+    talk.measure();
+    talk.hear("touch \"front right\"");
+    talk.say("q");
+    talk.end()
+        .failed(1, &["ended with q", "nothing is written"]);
+}
+
+#[test]
 fn a_port_that_is_not_there_is_told_before_anything_is_asked() {
     let folder = folder();
     let refused = folder.run("calibrate check --rig rig.toml --marks marks.toml --sensor flock/1");
-    let said = refused.failed(1, &["flock/1 has said nothing yet", "no-such-port"]);
-    assert!(!said.contains("touch"), "{said}");
+    let said = refused.failed(1, &["nothing comes from flock/1", "no-such-port"]);
+    assert!(!said.contains("touch \""), "{said}");
 }
 
 #[test]
@@ -532,5 +645,4 @@ fn a_simulator_is_steered_by_lines_and_refuses_others() {
     }
     // Only what is obeyed is answered.
     bird.put(DVec3::new(0.1, 0.2, -0.3), [0.0; 3]);
-    wait_for("the link", || folder.file("bird").exists().then_some(()));
 }

@@ -124,22 +124,25 @@ fn agree(
             "{}; l2 leaves out the left eye's sighting 2, r1 the right eye's 1; q ends without",
             destination.enter()
         );
-        match dialogue.ask(&prompt)? {
-            Answer::Enter => return Ok(found),
-            Answer::Quit => return Err(quit()),
-            Answer::Words(words) => {
-                let side = match words.chars().next() {
-                    Some('l') => Some(&mut left),
-                    Some('r') => Some(&mut right),
-                    _ => None,
-                };
-                let number = words.get(1..).and_then(|n| n.parse::<usize>().ok());
-                match (side, number) {
-                    (Some(side), Some(number)) if (1..=side.len()).contains(&number) => {
-                        side.remove(number - 1);
-                    }
-                    _ => eprintln!("{words:?} is no sighting"),
+        loop {
+            let words = match dialogue.ask(&prompt)? {
+                Answer::Enter => return Ok(found),
+                Answer::Quit => return Err(quit()),
+                Answer::Words(words) => words,
+            };
+            let side = match words.chars().next() {
+                Some('l') => Some(&mut left),
+                Some('r') => Some(&mut right),
+                _ => None,
+            };
+            let number = words.get(1..).and_then(|n| n.parse::<usize>().ok());
+            match (side, number) {
+                (Some(side), Some(number)) if (1..=side.len()).contains(&number) => {
+                    side.remove(number - 1);
+                    eprintln!("{words} is left out");
+                    break;
                 }
+                _ => eprintln!("{words:?} is no sighting"),
             }
         }
     }

@@ -134,8 +134,12 @@ impl Station {
             };
             match self.waits_for() {
                 Some(_) => {
+                    // Why it waits the driver has logged.
                     if now.since(*waiting_since.get_or_insert(now)) > WAITING {
-                        bail!("{problem}");
+                        bail!(
+                            "nothing comes from {}: its device is not there, for the reason above",
+                            self.sensor
+                        );
                     }
                 }
                 None => waiting_since = None,

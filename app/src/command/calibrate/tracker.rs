@@ -77,16 +77,20 @@ fn agree(
             "{}; a point's number leaves that point out; q ends without",
             destination.enter()
         );
-        match dialogue.ask(&prompt)? {
-            Answer::Enter => return Ok(found),
-            Answer::Quit => return Err(quit()),
-            Answer::Words(words) => match words.parse::<usize>() {
+        loop {
+            let words = match dialogue.ask(&prompt)? {
+                Answer::Enter => return Ok(found),
+                Answer::Quit => return Err(quit()),
+                Answer::Words(words) => words,
+            };
+            match words.parse::<usize>() {
                 Ok(number) if (1..=touches.len()).contains(&number) => {
                     let (mark, _) = touches.remove(number - 1);
                     eprintln!("\"{}\" is left out", mark.name);
+                    break;
                 }
                 _ => eprintln!("{words:?} is no point: say 1 to {}", touches.len()),
-            },
+            }
         }
     }
 }
