@@ -1,9 +1,14 @@
 //! The command line.
 
 mod bench;
+mod calibrate;
 mod reproduce;
 
 pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
+pub(crate) use calibrate::{
+    CalibrateArgs, CalibrateCheckArgs, CalibrateEyesArgs, CalibrateStylusArgs,
+    CalibrateTrackerArgs, CalibrationStep, SavingArgs,
+};
 pub(crate) use reproduce::{Paper, ReproduceArgs};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -55,6 +60,8 @@ pub(crate) enum Command {
     Record(RecordArgs),
     /// Offer the rig's devices to other programs, as a VRPN server.
     ServeVrpn(ServeVrpnArgs),
+    /// Find how tracker, stylus and eyes sit, and write it into the rig.
+    Calibrate(CalibrateArgs),
     /// List what is there to see, hear and touch with, and what is missing.
     Doctor(DoctorArgs),
 }
@@ -291,6 +298,11 @@ pub(crate) struct SimulateFlockArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["hold", "motion"])]
     pub(crate) from: Option<PathBuf>,
 
+    /// Take poses from standard input: a line BIRD,X,Y,Z,AZ,EL,ROLL holds that bird there from now
+    /// on, and is answered by its bird's number.
+    #[arg(long)]
+    pub(crate) steer: bool,
+
     /// The motion of birds that are not held.
     #[arg(long, value_name = "MOTION", default_value = "circle")]
     pub(crate) motion: String,
@@ -406,7 +418,7 @@ fn parse_cell(text: &str) -> Result<(u32, u32), String> {
 }
 
 /// Six numbers with commas between them.
-fn parse_hold(text: &str) -> Result<[f64; 6], String> {
+pub(crate) fn parse_hold(text: &str) -> Result<[f64; 6], String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|part| {

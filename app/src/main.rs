@@ -53,6 +53,7 @@ fn main() -> ExitCode {
         Some(Command::Simulate(args)) => command::simulate::run(args),
         Some(Command::Record(args)) => command::record::run(args),
         Some(Command::ServeVrpn(args)) => command::serve_vrpn::run(args),
+        Some(Command::Calibrate(args)) => command::calibrate::run(args),
         Some(Command::Doctor(args)) => command::doctor::run(args),
     })
 }

@@ -6,6 +6,7 @@ use crate::rigid::read_rigid;
 use glam::DVec3;
 use sandtable_pose::Rigid;
 use std::fmt;
+use time::Date;
 
 /// A sensor: a device of the rig and the sensor's number on it, written `flock/1`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -42,6 +43,8 @@ pub struct Eyes {
     pub rightwards: DVec3,
     /// The distance between the eyes.
     pub interpupillary: f64,
+    /// When they were measured, where they were.
+    pub calibrated: Option<Date>,
 }
 
 /// The viewer's hand.
@@ -118,10 +121,12 @@ fn read_eyes(value: &Value<'_>) -> Result<Eyes, RigError> {
         Some(value) => value.number(0.0..=0.1, "metres")?,
         None => 0.063,
     };
+    let calibrated = fields.date("calibrated")?;
     fields.finish()?;
     Ok(Eyes {
         middle: DVec3::from_array(middle),
         rightwards: rightwards.normalize(),
         interpupillary,
+        calibrated,
     })
 }

@@ -15,9 +15,19 @@ pub enum RigError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The file of marks cannot be read at all.
+    #[error(
+        "cannot read the file of marks {path:?} ({source}); name a readable TOML file with [marks]"
+    )]
+    MarksUnreadable {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The file is far larger than any rig.
     #[error(
-        "the rig file {path:?} has {size} bytes where a rig has at most {limit}; name a rig file"
+        "the file {path:?} has {size} bytes where a rig or its marks have at most {limit}; name another"
     )]
     TooLarge {
         /// The file that was asked for.
@@ -56,6 +66,24 @@ pub enum RigError {
     NoBuiltin {
         /// The name that was asked for.
         name: String,
+    },
+    /// A sensor was named that the rig does not have.
+    #[error("the rig `{rig}` has no sensor `{sensor}`; it has: {known}")]
+    NoSensor {
+        /// The rig's name.
+        rig: String,
+        /// The sensor that was asked for.
+        sensor: String,
+        /// The sensors that it has.
+        known: String,
+    },
+    /// Eyes were measured for a rig without a head.
+    #[error(
+        "the rig `{rig}` has no head that eyes could sit on; write [head] with `sensor`, `rest` and `eyes`"
+    )]
+    NoHead {
+        /// The rig's name.
+        rig: String,
     },
     /// A port was given for a device that the rig does not have.
     #[error("the rig `{rig}` has no device `{device}` to give a port; it has: {known}")]

@@ -6,6 +6,7 @@
 use crate::RigError;
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
+use time::{Date, Month};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -17,6 +18,15 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
+    /// What a parser stumbled over.
+    pub(crate) fn syntax(&self, error: &toml::de::Error) -> RigError {
+        RigError::Syntax {
+            file: self.file.to_owned(),
+            line: self.line(error.span().map_or(0, |span| span.start)),
+            problem: error.message().to_owned(),
+        }
+    }
+
     /// The line, from 1, of a byte of the text.
     pub(crate) fn line(&self, byte: usize) -> usize {
         let until = byte.min(self.text.len());
@@ -86,6 +96,11 @@ impl<'a> Fields<'a> {
     ) -> Result<T, RigError> {
         self.get(key)
             .map_or(Ok(default), |value| value.choice(choices))
+    }
+
+    /// The day that `key` names, if it is there.
+    pub(crate) fn date(&self, key: &str) -> Result<Option<Date>, RigError> {
+        self.get(key).map(|value| value.date()).transpose()
     }
 
     /// The value of `key`; `remedy` says what to write where it is missing.
@@ -241,6 +256,22 @@ impl<'a> Value<'a> {
             DeValue::Boolean(value) => Ok(*value),
             _ => Err(self.wrong_type("true or false")),
         }
+    }
+
+    /// A day.
+    fn date(&self) -> Result<Date, RigError> {
+        let wanted = "a date such as 2026-11-21";
+        let DeValue::Datetime(written) = self.value.get_ref() else {
+            return Err(self.wrong_type(wanted));
+        };
+        written
+            .date
+            .filter(|_| written.time.is_none())
+            .and_then(|date| {
+                let month = Month::try_from(date.month).ok()?;
+                Date::from_calendar_date(i32::from(date.year), month, date.day).ok()
+            })
+            .ok_or_else(|| self.error(&format!("is {}", self.shown()), &format!("write {wanted}")))
     }
 
     /// A string; `wanted` says of what.

@@ -24,22 +24,29 @@
 //! ```
 
 mod body;
+mod calibrated;
 mod controls;
 mod device;
 mod error;
 mod fields;
+mod marks;
 mod rig;
 mod rigid;
 mod sensor;
+mod stylus;
+mod text_file;
 mod viewing;
 
 pub use body::{Eyes, Hand, Head, SensorName};
+pub use calibrated::Calibrated;
 pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
 pub use device::{
     Addressing, AxisMap, Confirm, Device, Dtrack, Flock, FlockMode, Hemisphere, QuaternionSign,
     Range, RecordFormat, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
 };
 pub use error::RigError;
+pub use marks::{Mark, load_marks};
 pub use rig::Rig;
 pub use sensor::SensorSettings;
+pub use stylus::Stylus;
 pub use viewing::{Desktop, Measure, Stereo, StereoMode, Table, Viewing};

@@ -5,10 +5,11 @@ use crate::controls::{read_flight, read_gamepad};
 use crate::device::{port_remedy, read_device};
 use crate::fields::{Fields, Source, Value, nearest};
 use crate::sensor::{SensorSettings, read_sensor_settings};
+use crate::stylus::{Stylus, read_stylus};
+use crate::text_file::read_text;
 use crate::viewing::{read_stereo, read_viewing};
 use crate::{Device, Flight, GamepadMapping, Hand, Head, RigError, SensorName, Stereo, Viewing};
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -25,6 +26,8 @@ pub struct Rig {
     pub head: Option<Head>,
     /// The viewer's hand.
     pub hand: Option<Hand>,
+    /// What marks are touched with, where it is known.
+    pub stylus: Option<Stylus>,
     /// The devices by name.
     pub devices: BTreeMap<String, Device>,
     /// What is set for single sensors.
@@ -42,43 +45,17 @@ const BUILTINS: [(&str, &str); 2] = [
 ];
 
 impl Rig {
-    /// The most that a rig file may have, in bytes.
-    const LIMIT: u64 = 1 << 20;
-
     /// Reads a rig file.
     ///
     /// # Errors
     /// Where the file cannot be read, is not TOML, or holds anything that is unknown, missing or
     /// out of its range.
     pub fn load(path: &Path) -> Result<Self, RigError> {
-        let unreadable = |source| RigError::Unreadable {
+        let text = read_text(path, |source| RigError::Unreadable {
             path: path.to_owned(),
             source,
-        };
-        let file = std::fs::File::open(path).map_err(unreadable)?;
-        let mut bytes = Vec::new();
-        file.take(Self::LIMIT + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
-        let size = bytes.len() as u64;
-        if size > Self::LIMIT {
-            return Err(RigError::TooLarge {
-                path: path.to_owned(),
-                size,
-                limit: Self::LIMIT,
-            });
-        }
-        let file = path.display().to_string();
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let until = error.utf8_error().valid_up_to();
-            let lines = error.as_bytes()[..until].iter().filter(|&&b| b == b'\n');
-            RigError::Syntax {
-                file: file.clone(),
-                line: 1 + lines.count(),
-                problem: "the text is not UTF-8; save it as such".to_owned(),
-            }
         })?;
-        Self::parse(&text, &file)
+        Self::parse(&text, &path.display().to_string())
     }
 
     /// Reads a rig from its text; errors call it `file`.
@@ -87,11 +64,7 @@ impl Rig {
     /// As [`Rig::load`].
     pub fn parse(text: &str, file: &str) -> Result<Self, RigError> {
         let source = Source { file, text };
-        let table = DeTable::parse(text).map_err(|error| RigError::Syntax {
-            file: file.to_owned(),
-            line: source.line(error.span().map_or(0, |span| span.start)),
-            problem: error.message().to_owned(),
-        })?;
+        let table = DeTable::parse(text).map_err(|error| source.syntax(&error))?;
         let root = Fields::root(source, table.get_ref());
         let name = root.need("name", "write what people call this rig")?;
         let name = name.text("what people call this rig")?.to_owned();
@@ -114,6 +87,10 @@ impl Rig {
             .get("hand")
             .map(|value| read_hand(&value, sensor))
             .transpose()?;
+        let stylus = root
+            .get("stylus")
+            .map(|value| read_stylus(&value, sensor))
+            .transpose()?;
         let sensors = read_sensors(&root, &devices)?;
         let flight = read_flight(&root)?;
         let gamepad = read_gamepad(&root)?;
@@ -124,6 +101,7 @@ impl Rig {
             stereo,
             head,
             hand,
+            stylus,
             devices,
             sensors,
             flight,
@@ -159,6 +137,37 @@ impl Rig {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The sensor that a command line names, as `flock/2`.
+    ///
+    /// # Errors
+    /// [`RigError::NoSensor`] where the rig has none of that name.
+    pub fn sensor(&self, name: &str) -> Result<SensorName, RigError> {
+        let found = name.split_once('/').and_then(|(device, number)| {
+            let sensors = self.devices.get(device)?.sensors();
+            let number = number.parse().ok()?;
+            (1..=sensors).contains(&number).then(|| SensorName {
+                device: device.to_owned(),
+                number,
+            })
+        });
+        found.ok_or_else(|| {
+            let known = |(device, kind): (&String, &Device)| match kind.sensors() {
+                1 => format!("{device}/1"),
+                sensors => format!("{device}/1 to {device}/{sensors}"),
+            };
+            let known: Vec<String> = self.devices.iter().map(known).collect();
+            RigError::NoSensor {
+                rig: self.name.clone(),
+                sensor: name.to_owned(),
+                known: if known.is_empty() {
+                    "none".to_owned()
+                } else {
+                    known.join(", ")
+                },
+            }
+        })
     }
 
     /// Gives a device another port, as a command line may. The text stays as it was read.

@@ -4,6 +4,7 @@ use crate::RigError;
 use crate::fields::{Fields, Value};
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use sandtable_pose::Rigid;
+use time::Date;
 
 /// The farthest that anything of a rig stands from its frame's origin, in metres.
 pub(crate) const REACH: f64 = 100.0;
@@ -12,11 +13,28 @@ pub(crate) const REACH: f64 = 100.0;
 /// its rotation, all under the names that people know them by.
 pub(crate) fn read_rigid(value: &Value<'_>, translation_key: &str) -> Result<Rigid, RigError> {
     let fields = value.fields()?;
+    let rigid = rigid_among(&fields, translation_key)?;
+    fields.finish()?;
+    Ok(rigid)
+}
+
+/// The same with the date on which it was measured, `calibrated`, where there is one.
+pub(crate) fn read_measured_rigid(
+    value: &Value<'_>,
+    translation_key: &str,
+) -> Result<(Rigid, Option<Date>), RigError> {
+    let fields = value.fields()?;
+    let rigid = rigid_among(&fields, translation_key)?;
+    let calibrated = fields.date("calibrated")?;
+    fields.finish()?;
+    Ok((rigid, calibrated))
+}
+
+fn rigid_among(fields: &Fields<'_>, translation_key: &str) -> Result<Rigid, RigError> {
     let translation = fields
         .need(translation_key, "write it as [x, y, z] in metres")?
         .numbers::<3>(-REACH..=REACH, "metres")?;
-    let rotation = read_rotation(&fields)?;
-    fields.finish()?;
+    let rotation = read_rotation(fields)?;
     Ok(Rigid::new(rotation, DVec3::from_array(translation)))
 }
 

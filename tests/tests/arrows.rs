@@ -26,6 +26,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
         "sandtable",
         &[
             "sandtable-audio",
+            "sandtable-calibration",
             "sandtable-cast",
             "sandtable-config",
             "sandtable-input",

@@ -34,7 +34,14 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     let replay = args.replay.as_deref().map(open_replay).transpose()?;
     let rig = match &replay {
         Some(replay) => replay.rig().clone(),
-        None => rig::open(args.rig.as_deref().unwrap_or("desktop"), &args.device)?,
+        None => {
+            let rig = rig::open(args.rig.as_deref().unwrap_or("desktop"), &args.device)?;
+            let today = time::OffsetDateTime::now_utc().date();
+            if let Some(age) = rig::calibration_age(&rig, today) {
+                tracing::info!("{age}");
+            }
+            rig
+        }
     };
     let display = if args.headless {
         Err("asked for with --headless".to_owned())

@@ -1,6 +1,7 @@
 //! The commands, a file or folder each.
 
 pub(crate) mod bench;
+pub(crate) mod calibrate;
 pub(crate) mod casters;
 pub(crate) mod doctor;
 pub(crate) mod fly;

@@ -16,13 +16,14 @@ pub(crate) fn run(_: &SimulateArgs) -> Result<()> {
 
 #[cfg(unix)]
 mod unix {
-    use crate::cli::SimulateFlockArgs;
+    use crate::cli::{SimulateFlockArgs, parse_hold};
     use crate::exit::usage;
     use crate::interrupt;
     use anyhow::{Context, Result};
+    use crossbeam_channel::{Receiver, select};
     use sandtable_input::Replay;
     use sandtable_input::flock::{Faults, Motion, RecordedMotion, Simulator, SimulatorSettings};
-    use std::io::Write;
+    use std::io::{BufRead, Write};
     use std::path::Path;
     use std::sync::Arc;
 
@@ -86,8 +87,12 @@ mod unix {
             "a Flock of {birds} birds at {} baud; Ctrl-C ends it",
             args.baud
         );
-        // An error means that the handler is gone, and then so is the wish to go on.
-        let _ = stop.recv();
+        if args.steer {
+            steer(&simulator, birds, &stop)?;
+        } else {
+            // An error means that the handler is gone, and then so is the wish to go on.
+            let _ = stop.recv();
+        }
         simulator.stop();
         Ok(())
     }
@@ -99,5 +104,53 @@ mod unix {
         devices
             .find_map(|device| RecordedMotion::of(&replay, device))
             .with_context(|| format!("{} holds no pose of a Flock of Birds", path.display()))
+    }
+
+    /// Holds birds where lines on standard input say, until Ctrl-C.
+    fn steer(simulator: &Simulator, birds: u32, stop: &Receiver<()>) -> Result<()> {
+        let (sender, lines) = crossbeam_channel::bounded(1);
+        std::thread::Builder::new()
+            .name("standard input".into())
+            .spawn(move || {
+                for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+                    if sender.send(line).is_err() {
+                        break;
+                    }
+                }
+            })
+            .context("cannot start the thread that reads standard input")?;
+        loop {
+            let line = select! {
+                recv(lines) -> line => line,
+                recv(stop) -> _ => return Ok(()),
+            };
+            let Ok(line) = line else {
+                // The last ones hold on.
+                let _ = stop.recv();
+                return Ok(());
+            };
+            match held_bird(&line, birds) {
+                Ok((bird, motion)) => {
+                    simulator.set_motion(bird, motion);
+                    let mut out = std::io::stdout();
+                    writeln!(out, "{bird}")?;
+                    out.flush()?;
+                }
+                Err(problem) => eprintln!("{problem}"),
+            }
+        }
+    }
+
+    /// `BIRD,X,Y,Z,AZ,EL,ROLL`.
+    fn held_bird(line: &str, birds: u32) -> Result<(u32, Motion), String> {
+        let wanted =
+            || format!("{line:?} is not BIRD,X,Y,Z,AZ,EL,ROLL with a bird from 1 to {birds}");
+        let (bird, pose) = line.split_once(',').ok_or_else(wanted)?;
+        let bird = bird.trim().parse().map_err(|_| wanted())?;
+        if !(1..=birds).contains(&bird) {
+            return Err(wanted());
+        }
+        let [x, y, z, azimuth, elevation, roll] = parse_hold(pose)?;
+        Ok((bird, Motion::hold([x, y, z], [azimuth, elevation, roll])))
     }
 }

@@ -16,6 +16,11 @@ fn every_command_that_takes_something_has_an_example() {
         "simulate flock",
         "record",
         "serve-vrpn",
+        "calibrate",
+        "calibrate tracker",
+        "calibrate stylus",
+        "calibrate eyes",
+        "calibrate check",
     ] {
         let said = folder.run(&format!("{command} --help")).done().out;
         let (_, examples) = said
@@ -41,6 +46,7 @@ fn the_program_lists_its_commands_and_tells_its_version() {
         "reproduce",
         "simulate",
         "record",
+        "calibrate",
         "doctor",
     ] {
         let listed = said

@@ -4,6 +4,8 @@
 
 mod bad_input;
 mod bench;
+#[cfg(unix)]
+mod calibrate;
 mod doctor;
 mod fly;
 mod formats;

@@ -4,9 +4,10 @@ use super::port::read_port;
 use super::tracking::{read_ages, read_speeds};
 use crate::RigError;
 use crate::fields::Fields;
-use crate::rigid::read_rigid;
+use crate::rigid::read_measured_rigid;
 use sandtable_pose::Rigid;
 use std::time::Duration;
+use time::Date;
 
 /// An Ascension Flock of Birds: magnetic trackers, position and attitude of 1 to 14 birds.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +54,8 @@ pub struct Flock {
     pub max_turn: f64,
     /// From the transmitter's frame (x forward, y right, z down; metres) to the table's.
     pub table_from_tracker: Rigid,
+    /// When that was measured, where it was.
+    pub calibrated: Option<Date>,
 }
 
 impl Flock {
@@ -223,6 +226,13 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
     };
     let (held_after, lost_after) = read_ages(fields)?;
     let (max_speed, max_turn) = read_speeds(fields)?;
+    let (table_from_tracker, calibrated) = read_measured_rigid(
+        &fields.need(
+            "table_from_tracker",
+            "write { translation = [..], axes = [..] }: how the transmitter sits at the table",
+        )?,
+        "translation",
+    )?;
     Ok(Flock {
         port,
         baud,
@@ -293,13 +303,8 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         lost_after,
         max_speed,
         max_turn,
-        table_from_tracker: read_rigid(
-            &fields.need(
-                "table_from_tracker",
-                "write { translation = [..], axes = [..] }: how the transmitter sits at the table",
-            )?,
-            "translation",
-        )?,
+        table_from_tracker,
+        calibrated,
     })
 }
 

@@ -20,6 +20,8 @@ use crate::RigError;
 use crate::fields::Value;
 use dtrack::read_dtrack;
 use flock::read_flock;
+use sandtable_pose::Rigid;
+use time::Date;
 use vrpn::read_vrpn;
 
 /// A device of the rig.
@@ -49,6 +51,25 @@ impl Device {
             Self::Flock(flock) => flock.birds,
             Self::Vrpn(vrpn) => vrpn.sensors,
             Self::Dtrack(dtrack) => dtrack.bodies + dtrack.flysticks,
+        }
+    }
+
+    /// From the tracker's frame to the table's, where it is a tracker.
+    pub fn table_from_tracker_mut(&mut self) -> Option<&mut Rigid> {
+        match self {
+            Self::Flock(flock) => Some(&mut flock.table_from_tracker),
+            Self::Vrpn(vrpn) => Some(&mut vrpn.tracking.table_from_tracker),
+            Self::Dtrack(dtrack) => Some(&mut dtrack.tracking.table_from_tracker),
+        }
+    }
+
+    /// The day on which its frame was measured, where that is known.
+    #[must_use]
+    pub fn calibrated(&self) -> Option<Date> {
+        match self {
+            Self::Flock(flock) => flock.calibrated,
+            Self::Vrpn(vrpn) => vrpn.tracking.calibrated,
+            Self::Dtrack(dtrack) => dtrack.tracking.calibrated,
         }
     }
 

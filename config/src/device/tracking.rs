@@ -5,9 +5,10 @@ use super::AxisMap;
 use super::axis_map::read_axis_map;
 use crate::RigError;
 use crate::fields::Fields;
-use crate::rigid::read_rigid;
+use crate::rigid::read_measured_rigid;
 use sandtable_pose::Rigid;
 use std::time::Duration;
+use time::Date;
 
 /// How the poses of a tracker on the network are taken.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Tracking {
     pub axes: AxisMap,
     /// From the tracker's frame, its axes mapped by `axes`, in metres, to the table's.
     pub table_from_tracker: Rigid,
+    /// The day on which `table_from_tracker` was measured.
+    pub calibrated: Option<Date>,
 }
 
 impl Tracking {
@@ -47,6 +50,13 @@ impl Tracking {
 pub(super) fn read_tracking(fields: &Fields<'_>) -> Result<Tracking, RigError> {
     let (held_after, lost_after) = read_ages(fields)?;
     let (max_speed, max_turn) = read_speeds(fields)?;
+    let (table_from_tracker, calibrated) = read_measured_rigid(
+        &fields.need(
+            "table_from_tracker",
+            "write { translation = [..], axes = [..] }: where the tracker's frame lies",
+        )?,
+        "translation",
+    )?;
     Ok(Tracking {
         rate: match fields.get("rate") {
             Some(value) => value.number(1.0..=2000.0, "poses a second")?,
@@ -67,13 +77,8 @@ pub(super) fn read_tracking(fields: &Fields<'_>) -> Result<Tracking, RigError> {
             Some(value) => read_axis_map(&value)?,
             None => AxisMap::IDENTITY,
         },
-        table_from_tracker: read_rigid(
-            &fields.need(
-                "table_from_tracker",
-                "write { translation = [..], axes = [..] }: where the tracker's frame lies",
-            )?,
-            "translation",
-        )?,
+        table_from_tracker,
+        calibrated,
     })
 }
 

@@ -1,6 +1,6 @@
 //! The simulated device: what a Flock answers, byte for byte, by a clock that is handed in.
 
-use super::{Faults, SimulatorSettings};
+use super::{Faults, Motion, SimulatorSettings};
 use crate::flock::format::{Coding, format_of_command};
 use crate::flock::measurement::Scale;
 use crate::flock::record::{PHASE, encode_words};
@@ -123,6 +123,20 @@ impl SimulatedFlock {
             stream_records: 0,
             settings,
         }
+    }
+
+    /// Moves bird `bird`, from 1, otherwise from now on; a bird that is not there stays away.
+    pub fn set_motion(&mut self, bird: u32, motion: Motion) {
+        let motions = (1..=self.settings.birds)
+            .map(|known| {
+                if known == bird {
+                    motion
+                } else {
+                    self.settings.motion(known)
+                }
+            })
+            .collect();
+        self.settings.motions = motions;
     }
 
     /// Takes what the host has sent by `now`.

@@ -1,6 +1,7 @@
 //! The simulated Flock on a pseudo-terminal.
 
-use super::{SimulatedFlock, SimulatorSettings};
+use super::{Motion, SimulatedFlock, SimulatorSettings};
+use crossbeam_channel::{Receiver, Sender};
 use serialport::{SerialPort, TTYPort};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -15,8 +16,12 @@ pub struct Simulator {
     path: PathBuf,
     link: Option<PathBuf>,
     stop: Arc<AtomicBool>,
+    moves: Sender<Move>,
     thread: Option<JoinHandle<()>>,
 }
+
+/// A bird, how it moves from now on, and whom to tell that it does.
+struct Move(u32, Motion, Sender<()>);
 
 /// Why a simulator cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -61,10 +66,12 @@ impl Simulator {
         }
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
+        let (moves, moved) = crossbeam_channel::bounded(0);
         let thread = std::thread::Builder::new()
             .name("simulated flock".into())
             .spawn(move || {
-                run(&mut host_side, SimulatedFlock::new(settings), &stopped);
+                let flock = SimulatedFlock::new(settings);
+                run(&mut host_side, flock, &moved, &stopped);
                 // Held open so that the terminal outlives the hosts that come and go.
                 drop(device_side);
             })
@@ -73,6 +80,7 @@ impl Simulator {
             path,
             link: link.map(Path::to_owned),
             stop,
+            moves,
             thread: Some(thread),
         })
     }
@@ -81,6 +89,16 @@ impl Simulator {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Moves bird `bird`, from 1, otherwise: every record that is measured after this returns has
+    /// it there. A bird that is not there, or a terminal that is gone, changes nothing.
+    pub fn set_motion(&self, bird: u32, motion: Motion) {
+        let (done, is_done) = crossbeam_channel::bounded(1);
+        if self.moves.send(Move(bird, motion, done)).is_ok() {
+            // An error means that the thread has ended.
+            let _ = is_done.recv();
+        }
     }
 
     /// Ends the simulation, closes the terminal and removes the link.
@@ -108,10 +126,15 @@ impl Drop for Simulator {
     }
 }
 
-fn run(port: &mut TTYPort, mut flock: SimulatedFlock, stop: &AtomicBool) {
+fn run(port: &mut TTYPort, mut flock: SimulatedFlock, moves: &Receiver<Move>, stop: &AtomicBool) {
     let start = Instant::now();
     let mut bytes = [0; 256];
     while !stop.load(Ordering::Relaxed) {
+        while let Ok(Move(bird, motion, done)) = moves.try_recv() {
+            flock.set_motion(bird, motion);
+            // Nobody may wait any more.
+            let _ = done.send(());
+        }
         let quiet = flock
             .quiet_for(start.elapsed())
             .map_or(Duration::from_millis(20), |quiet| {

@@ -1,0 +1,135 @@
+//! Arguments of `calibrate`.
+
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Arguments of `calibrate`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples, in this order for a new table:\n  \
+    sandtable calibrate stylus --rig lab.toml --sensor flock/2\n  \
+    sandtable calibrate tracker --rig lab.toml --marks marks.toml\n  \
+    sandtable calibrate check --rig lab.toml --marks marks.toml\n  \
+    sandtable calibrate eyes --rig lab.toml --marks marks.toml --pair post=corner")]
+pub(crate) struct CalibrateArgs {
+    /// What to measure.
+    #[command(subcommand)]
+    pub(crate) step: CalibrationStep,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub(crate) enum CalibrationStep {
+    /// How a tracker stands at the table, by touching marks of known place.
+    Tracker(CalibrateTrackerArgs),
+    /// Where the stylus has its tip, by pivoting it on one spot.
+    Stylus(CalibrateStylusArgs),
+    /// Where the eyes sit on the head, by sighting over pairs of marks.
+    Eyes(CalibrateEyesArgs),
+    /// How far off three marks are; fails where one is farther off than it may be.
+    Check(CalibrateCheckArgs),
+}
+
+/// Whose sensor measures.
+#[derive(Debug, Args)]
+pub(crate) struct MeasuringArgs {
+    /// The rig: workbench, or a rig file.
+    #[arg(long, value_name = "RIG")]
+    pub(crate) rig: String,
+
+    /// Use this port for a device of the rig (may be given once for each device).
+    #[arg(long, value_name = "NAME=PORT")]
+    pub(crate) device: Vec<String>,
+
+    /// The sensor that measures, as flock/2; otherwise the rig's stylus, or for eyes its head.
+    #[arg(long, value_name = "NAME/N")]
+    pub(crate) sensor: Option<String>,
+}
+
+/// Where the result goes.
+#[derive(Debug, Args)]
+pub(crate) struct SavingArgs {
+    /// Write a rig of its own here, in place of changing the rig file; it must not exist yet.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Print the lines that would change, and change nothing.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+}
+
+/// Arguments of `calibrate tracker`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  sandtable calibrate tracker --rig lab.toml --sensor flock/2 --marks marks.toml\n\n\
+    The marks, in table metres:\n  [marks]\n  \"front left\" = [-0.90, -0.55, 0.0]\n  \"post\" = [0.0, 0.20, 0.35]"
+)]
+pub(crate) struct CalibrateTrackerArgs {
+    #[command(flatten)]
+    pub(crate) measuring: MeasuringArgs,
+
+    /// The marks' places in table metres.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) marks: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) saving: SavingArgs,
+}
+
+/// Arguments of `calibrate stylus`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sandtable calibrate stylus --rig lab.toml --sensor flock/2")]
+pub(crate) struct CalibrateStylusArgs {
+    #[command(flatten)]
+    pub(crate) measuring: MeasuringArgs,
+
+    /// How long the stylus is pivoted, unless Enter ends it.
+    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    pub(crate) seconds: f64,
+
+    #[command(flatten)]
+    pub(crate) saving: SavingArgs,
+}
+
+/// Arguments of `calibrate eyes`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  sandtable calibrate eyes --rig lab.toml --marks marks.toml \
+    --pair post=\"back left\" --pair post=\"back right\""
+)]
+pub(crate) struct CalibrateEyesArgs {
+    #[command(flatten)]
+    pub(crate) measuring: MeasuringArgs,
+
+    /// The marks' places in table metres.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) marks: PathBuf,
+
+    /// A near and a far mark to bring into line; several are taken in turns.
+    #[arg(long, value_name = "NEAR=FAR", required = true)]
+    pub(crate) pair: Vec<String>,
+
+    /// Sightings with each eye.
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(3..=100))]
+    pub(crate) sightings: u32,
+
+    #[command(flatten)]
+    pub(crate) saving: SavingArgs,
+}
+
+/// Arguments of `calibrate check`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  sandtable calibrate check --rig lab.toml --marks marks.toml --within 5"
+)]
+pub(crate) struct CalibrateCheckArgs {
+    #[command(flatten)]
+    pub(crate) measuring: MeasuringArgs,
+
+    /// The marks' places in table metres; the first three are touched.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) marks: PathBuf,
+
+    /// How far off a mark may be, in millimetres.
+    #[arg(long, value_name = "MM", default_value_t = 5.0)]
+    pub(crate) within: f64,
+}

@@ -1,0 +1,61 @@
+//! Marks, and the tip that touches them.
+
+use super::dialogue::{Answer, quit};
+use super::station::{Station, Steadiness};
+use crate::exit::usage;
+use anyhow::Result;
+use glam::DVec3;
+use sandtable_config::{Mark, Rig, SensorName};
+
+/// The sensor that marks are touched with: the one that was asked for, or else the rig's stylus.
+pub(super) fn touching_sensor(rig: &Rig, asked: Option<&str>) -> Result<SensorName> {
+    match (asked, &rig.stylus) {
+        (Some(name), _) => rig.sensor(name).map_err(usage),
+        (None, Some(stylus)) => Ok(stylus.sensor.clone()),
+        (None, None) => Err(usage(
+            "the rig has no [stylus] that says which sensor touches; name it with --sensor, as flock/2",
+        )),
+    }
+}
+
+/// The tip in `sensor`'s own axes and metres; says so where it is the sensor itself.
+pub(super) fn tip(rig: &Rig, sensor: &SensorName) -> DVec3 {
+    match &rig.stylus {
+        Some(stylus) if stylus.sensor == *sensor => stylus.tip,
+        _ => {
+            eprintln!(
+                "the rig knows no stylus tip on {sensor}: the sensor's own origin is what touches; \
+                 `sandtable calibrate stylus` finds the tip"
+            );
+            DVec3::ZERO
+        }
+    }
+}
+
+/// Has a mark touched, until the touch can be used; returns the tip's place in the frame of the
+/// poses, or none where the mark is left out.
+pub(super) fn touch(station: &Station, tip: DVec3, mark: &Mark, of: &str) -> Result<Option<DVec3>> {
+    let [x, y, z] = (1e3 * mark.place).to_array();
+    let prompt = format!(
+        "{of}: touch \"{}\" (at {x:.0}, {y:.0}, {z:.0} mm), hold still, Enter; s leaves it out, q ends",
+        mark.name
+    );
+    loop {
+        match station.dialogue.ask(&prompt)? {
+            Answer::Enter => {}
+            Answer::Quit => return Err(quit()),
+            Answer::Words(words) if words == "s" => return Ok(None),
+            Answer::Words(words) => {
+                eprintln!("{words:?} means nothing here");
+                continue;
+            }
+        }
+        match station.still(tip, Steadiness::TIP)? {
+            Ok(still) => {
+                eprintln!("got it");
+                return Ok(Some(still.point));
+            }
+            Err(problem) => eprintln!("again: {problem}"),
+        }
+    }
+}
