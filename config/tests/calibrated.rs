@@ -138,6 +138,7 @@ fn a_comment_at_the_end_stays_before_what_is_added() {
         let written = stylus().write_into(&text, "w.toml", date()).unwrap();
         let (before, _) = written.split_once("\n\n# Marks are touched").unwrap();
         assert!(before.ends_with("\n# The end."), "{written}");
+        assert_eq!(written.matches("# The end.").count(), 1, "{written}");
     }
 }
 

@@ -654,3 +654,12 @@ fn a_simulator_is_steered_by_lines_and_refuses_others() {
     // Only what is obeyed is answered.
     bird.put(DVec3::new(0.1, 0.2, -0.3), [0.0; 3]);
 }
+
+#[test]
+fn a_flight_says_how_old_its_rigs_calibration_is() {
+    let folder = folder();
+    let flight = "fly builtin:ridges?size=65 --rig rig.toml --headless --seconds 0.05 -o a.avi";
+    let said = folder.run(flight).done().err;
+    let line = "calibrated: flock on no known day, eyes on no known day";
+    assert_eq!(said.matches(line).count(), 1, "{said}");
+}
