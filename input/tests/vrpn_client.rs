@@ -376,6 +376,8 @@ fn a_recorded_session_replays_to_the_bit_over_a_reconnection() {
     wait_for("the button", || {
         (session.buttons() == Some(32)).then_some(())
     });
+    // Held for some of the steps that the buttons are compared at below.
+    std::thread::sleep(Duration::from_millis(5));
     drop(peer);
     wait_for("the release", || {
         (session.buttons() == Some(0)).then_some(())

@@ -118,8 +118,15 @@ fn numbers_mean_what_this_connection_says() {
     let renamed = described(&[(-1, 1, "Other")]);
     assert_eq!(events(&mut inbound, &[&renamed, &said])[1], "Foreign");
     assert_eq!(events(&mut inbound, &[&named, &said]).len(), 2);
-    inbound.restart();
-    assert_eq!(events(&mut inbound, &[&said]), ["Foreign"]);
+    // After a restart neither the senders' numbers mean anything nor the types'.
+    let sender = described(&[(-1, 1, TRACKER)]);
+    let kind = described(&[(-2, 2, "vrpn_Tracker Pos_Quat")]);
+    for half in [&sender, &kind] {
+        events(&mut inbound, &[&named]);
+        inbound.restart();
+        let events = events(&mut inbound, &[half, &said]);
+        assert_eq!(events.last().map(String::as_str), Some("Foreign"));
+    }
 }
 
 #[test]

@@ -396,7 +396,9 @@ fn too_many_guests_are_turned_away_at_the_door() {
     });
     let mut guests = [session.guest(), session.guest()];
     guests.iter_mut().for_each(Guest::ping);
-    assert!(session.connect().is_closed());
+    // Who is let in is shown a cookie first of all.
+    assert_eq!(session.connect().bytes(24, PATIENCE), None);
+    assert_eq!(session.server.sent_away(), 1);
     let [first, mut second] = guests;
     drop(first);
     wait_for("the free place", || {

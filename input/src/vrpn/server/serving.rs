@@ -16,6 +16,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 /// How often the sockets are looked at: the longest that a ping waits for its pong.
 const TURN: Duration = Duration::from_millis(5);
 
+/// How often the door is looked at while there is no guest.
+const IDLE_TURN: Duration = Duration::from_millis(25);
+
 /// Samples that may wait for the thread: seconds of several devices.
 const ROOM: usize = 4096;
 
@@ -80,6 +83,11 @@ impl Serving {
         let heard = self.heard.clone();
         let mut looked = Instant::now();
         loop {
+            let turn = if self.guests.is_empty() {
+                IDLE_TURN
+            } else {
+                TURN
+            };
             select! {
                 recv(heard) -> sample => {
                     for sample in sample.iter().cloned().chain(heard.try_iter().take(BATCH)) {
@@ -87,9 +95,9 @@ impl Serving {
                     }
                 }
                 recv(stop) -> _ => return,
-                default(TURN) => {}
+                default(turn) => {}
             }
-            if looked.elapsed() >= TURN {
+            if looked.elapsed() >= turn {
                 looked = Instant::now();
                 self.greet();
                 let (offer, stamp) = (&self.offer, self.stamp(self.clock.now()));
