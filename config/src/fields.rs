@@ -6,6 +6,7 @@
 use crate::RigError;
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
+use std::time::Duration;
 use time::{Date, Month};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -115,6 +116,25 @@ impl<'a> Fields<'a> {
                 Err(self.error(key, "is missing", remedy))
             }
         }
+    }
+
+    /// The seconds at `key`, or `default` of them where it is not there.
+    pub(crate) fn seconds(
+        &self,
+        key: &str,
+        default: f64,
+        range: RangeInclusive<f64>,
+    ) -> Result<Duration, RigError> {
+        let seconds = match self.get(key) {
+            Some(value) => value.number(range, "seconds")?,
+            None => default,
+        };
+        Ok(Duration::from_secs_f64(seconds))
+    }
+
+    /// Whether `key` is true, or `default` where it is not there.
+    pub(crate) fn flag(&self, key: &str, default: bool) -> Result<bool, RigError> {
+        self.get(key).map_or(Ok(default), |value| value.boolean())
     }
 
     /// An error at this table that names `key`.
@@ -297,20 +317,22 @@ impl<'a> Value<'a> {
         Err(self.error(&format!("is {text:?}"), &remedy))
     }
 
-    /// `N` values in an array; `wanted` says what they are.
-    pub(crate) fn array<const N: usize>(&self, wanted: &str) -> Result<[Value<'a>; N], RigError> {
+    /// The values of an array, however many; `wanted` says what they are.
+    pub(crate) fn elements(&self, wanted: &str) -> Result<Vec<Value<'a>>, RigError> {
         let DeValue::Array(array) = self.value.get_ref() else {
             return Err(self.wrong_type(wanted));
         };
-        let values: Vec<_> = array
-            .iter()
-            .enumerate()
-            .map(|(i, value)| Value {
-                source: self.source,
-                path: format!("{}[{i}]", self.path),
-                value,
-            })
-            .collect();
+        let element = |(i, value)| Value {
+            source: self.source,
+            path: format!("{}[{i}]", self.path),
+            value,
+        };
+        Ok(array.iter().enumerate().map(element).collect())
+    }
+
+    /// `N` values in an array; `wanted` says what they are.
+    pub(crate) fn array<const N: usize>(&self, wanted: &str) -> Result<[Value<'a>; N], RigError> {
+        let values = self.elements(wanted)?;
         let found = values.len();
         <[Value<'a>; N]>::try_from(values)
             .map_err(|_| self.error(&format!("has {found} elements"), &format!("write {wanted}")))

@@ -41,8 +41,9 @@ pub use body::{Eyes, Hand, Head, SensorName};
 pub use calibrated::Calibrated;
 pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
 pub use device::{
-    Addressing, AxisMap, Confirm, Device, Dtrack, Flock, FlockMode, Hemisphere, QuaternionSign,
-    Range, RecordFormat, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
+    Addressing, AxisMap, ByteOrder, Confirm, DataGlove, Device, Dtrack, Flock, FlockMode, Gestures,
+    Hemisphere, HidAddress, HidBit, HidField, HidFinger, HidGlove, Pinch, QuaternionSign, Range,
+    RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
 };
 pub use error::RigError;
 pub use marks::{Mark, load_marks};

@@ -289,6 +289,10 @@ fn sensor_name(
         return Err(value.error(&problem, &remedy));
     };
     match number.parse::<u32>() {
+        _ if !known.has_poses() => Err(value.error(
+            &format!("is {text:?}, and `{device}` does not tell where it is"),
+            "write a tracker's sensor: a glove tells of its fingers only",
+        )),
         Ok(number) if (1..=known.sensors()).contains(&number) => Ok(SensorName {
             device: device.to_owned(),
             number,

@@ -2,12 +2,14 @@
 
 use crate::device_thread::DeviceThread;
 use crate::recording::{DeviceEvent, Recorder};
-use crate::{Clock, Hub, Sample, Stream, StreamCounts, dtrack, flock, vrpn};
+use crate::{Clock, Hub, Sample, Stream, StreamCounts};
+use crate::{data_glove, dtrack, flock, hid_glove, pinch, vrpn};
 use crossbeam_channel::Sender;
 use sandtable_config::{Device, Rig};
 use sandtable_pose::Nanos;
 use std::convert::Infallible;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 /// A rig's devices while they run. Dropping it stops them.
@@ -51,6 +53,7 @@ pub struct DevicesError {
 #[derive(Debug)]
 struct Running {
     state: Arc<Mutex<DeviceState>>,
+    reset_asked: Arc<AtomicBool>,
     /// Dropped to stop the thread.
     stop: Option<Sender<Infallible>>,
     thread: Option<JoinHandle<()>>,
@@ -76,12 +79,14 @@ impl Devices {
                 condition: Condition::Starting,
                 counts: StreamCounts::default(),
             }));
+            let reset_asked = Arc::new(AtomicBool::new(false));
             let outlet = Outlet {
                 device: name.clone(),
                 hub: Arc::clone(hub),
                 clock,
                 recorder: recorder.cloned(),
                 state: Arc::clone(&state),
+                reset_asked: Arc::clone(&reset_asked),
             };
             let (stop, stopped) = crossbeam_channel::bounded(0);
             let driven = DeviceThread::new(outlet, stopped);
@@ -92,6 +97,9 @@ impl Devices {
                     Device::Flock(flock) => flock::driver::run(&flock, driven),
                     Device::Vrpn(vrpn) => vrpn::driver::run(&vrpn, driven),
                     Device::Dtrack(dtrack) => dtrack::driver::run(&dtrack, driven),
+                    Device::Pinch(pinch) => pinch::driver::run(&pinch, driven),
+                    Device::DataGlove(glove) => data_glove::run(&glove, driven),
+                    Device::HidGlove(glove) => hid_glove::run(&glove, driven),
                 })
                 .map_err(|source| DevicesError {
                     device: name.clone(),
@@ -99,6 +107,7 @@ impl Devices {
                 })?;
             devices.running.push(Running {
                 state,
+                reset_asked,
                 stop: Some(stop),
                 thread: Some(thread),
             });
@@ -109,11 +118,19 @@ impl Devices {
     /// How each device is, in the order of their names.
     #[must_use]
     pub fn states(&self) -> Vec<DeviceState> {
-        let lock = |running: &Running| {
-            let state = running.state.lock();
-            state.unwrap_or_else(PoisonError::into_inner).clone()
-        };
-        self.running.iter().map(lock).collect()
+        let state = |running: &Running| lock(&running.state).clone();
+        self.running.iter().map(state).collect()
+    }
+
+    /// Lets a device that learns its ranges forget them and begin anew, as for another hand.
+    /// Returns whether there is a device of that name.
+    pub fn reset_calibration(&self, device: &str) -> bool {
+        let named = |running: &&Running| lock(&running.state).name == device;
+        let found = self.running.iter().find(named);
+        if let Some(running) = found {
+            running.reset_asked.store(true, Ordering::Relaxed);
+        }
+        found.is_some()
     }
 
     /// Ends the streams and closes the ports.
@@ -143,11 +160,12 @@ impl Drop for Devices {
 
 /// Where a device's thread hands on what it reads.
 pub(crate) struct Outlet {
-    device: String,
-    hub: Arc<Hub>,
-    clock: Clock,
-    recorder: Option<Recorder>,
-    state: Arc<Mutex<DeviceState>>,
+    pub(crate) device: String,
+    pub(crate) hub: Arc<Hub>,
+    pub(crate) clock: Clock,
+    pub(crate) recorder: Option<Recorder>,
+    pub(crate) state: Arc<Mutex<DeviceState>>,
+    pub(crate) reset_asked: Arc<AtomicBool>,
 }
 
 impl Outlet {
@@ -170,7 +188,31 @@ impl Outlet {
                 recorder.pose(&self.device, pose);
             }
         });
-        self.state().counts = stream.counts();
+        lock(&self.state).counts = stream.counts();
+    }
+
+    /// Tells `stream` the time where it wants to be told.
+    pub(crate) fn pass_time(&self, stream: &mut dyn Stream) {
+        let now = self.clock.now();
+        if stream.due().is_some_and(|due| due <= now) {
+            self.bytes(&[], now, stream);
+        }
+    }
+
+    /// Lets `stream` forget the ranges that it has learnt, where that was asked for.
+    pub(crate) fn reset_where_asked(&self, stream: &mut dyn Stream) {
+        if self.reset_asked.swap(false, Ordering::Relaxed) {
+            self.tell_calibration(stream);
+            self.event(DeviceEvent::CalibrationReset);
+            stream.reset_calibration();
+        }
+    }
+
+    /// Logs what `stream` has learnt, so that it can be kept in the rig.
+    pub(crate) fn tell_calibration(&self, stream: &dyn Stream) {
+        if let Some(learnt) = stream.calibration() {
+            tracing::info!(device = self.device, "to keep its calibration: {learnt}");
+        }
     }
 
     pub(crate) fn event(&self, event: DeviceEvent) {
@@ -184,10 +226,10 @@ impl Outlet {
     }
 
     pub(crate) fn set_condition(&self, condition: Condition) {
-        self.state().condition = condition;
+        lock(&self.state).condition = condition;
     }
+}
 
-    fn state(&self) -> std::sync::MutexGuard<'_, DeviceState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+fn lock(state: &Mutex<DeviceState>) -> MutexGuard<'_, DeviceState> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
 }

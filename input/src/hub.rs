@@ -52,6 +52,8 @@ impl Hub {
                 Device::Vrpn(Vrpn { tracking, .. }) | Device::Dtrack(Dtrack { tracking, .. }) => {
                     (tracking.held_after, tracking.lost_after, tracking.period())
                 }
+                // They tell no poses.
+                Device::Pinch(_) | Device::DataGlove(_) | Device::HidGlove(_) => Default::default(),
             };
             // A slow line brings records less often than a pose may be old.
             let held_after = held_after.max(3 * period);
@@ -144,10 +146,7 @@ impl Hub {
                     }),
                 );
             }
-            if self
-                .hand_at(&name, end)
-                .is_some_and(|hand| hand != HandState::default())
-            {
+            if self.hand_at(&name, end).is_some() {
                 let hand = HandState::default();
                 self.push(device, Sample::Hand(HandSample { sensor, time, hand }));
             }
@@ -198,11 +197,12 @@ impl Hub {
         self.named(sensor)?.axes.at(time, |sample| sample.time)
     }
 
-    /// The fingers as they were at `time`; `None` where nothing is known of them.
+    /// The fingers as they were at `time`; `None` where nothing is known of them, and from when on
+    /// they were let go.
     #[must_use]
     pub fn hand_at(&self, sensor: &SensorName, time: Nanos) -> Option<HandState> {
         let (_, hand) = self.named(sensor)?.hands.at(time, |(time, _)| *time)?;
-        Some(hand)
+        (hand != HandState::default()).then_some(hand)
     }
 
     /// The sensors, in order.
@@ -319,6 +319,7 @@ impl<S: Copy, const N: usize> History<S, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Flexion;
     use glam::{DQuat, DVec3};
     use sandtable_pose::Rigid;
 
@@ -462,7 +463,7 @@ mod tests {
             [None, Some(1), Some(1), Some(6)]
         );
         let hand = HandState {
-            flexion: Some([0.0, 0.25, 0.5, 0.75, 1.0]),
+            flexion: [0.0, 0.25, 0.5, 0.75, 1.0].map(|bent| Some(Flexion::of_one_sensor(bent))),
             contacts: None,
         };
         hub.push(

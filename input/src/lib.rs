@@ -8,6 +8,10 @@
 //! gamepad --state--> map_gamepad --> FlightAxes
 //! ```
 //!
+//! Devices are the Flock of Birds ([`flock`]), PINCH gloves ([`pinch`]), 5DT's data gloves
+//! ([`data_glove`]) and gloves that the rig describes ([`hid_glove`]); what hands mean by their
+//! fingers is told by [`hand`], whichever glove they are in.
+//!
 //! Poses are in the table's frame, in metres; inches, degrees and devices' own frames end at the
 //! drivers. Decoders are pure functions of bytes and times, so that live sessions, replay and tests
 //! run the same ones. Devices run in threads of their own and wait for nobody. Nothing here knows a
@@ -51,6 +55,7 @@
 //! ```
 
 mod clock;
+pub mod data_glove;
 mod device_thread;
 mod devices;
 pub mod dtrack;
@@ -58,10 +63,15 @@ mod flight;
 pub mod flock;
 mod gamepad;
 mod gate;
+pub mod hand;
+mod hid;
+pub mod hid_glove;
 mod hub;
+pub mod pinch;
 pub mod recording;
 mod sample;
 mod serial_line;
+mod simulator;
 mod stream;
 mod tcp_line;
 mod track;
@@ -72,11 +82,16 @@ pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};
 pub use flight::FlightAxes;
 pub use gamepad::{GamepadError, GamepadState, Gamepads, map_gamepad};
+pub use hid::{HidError, udev_rule};
 pub use hub::Hub;
 pub use recording::{Recorder, Replay};
 pub use sample::{
-    AXES, AxesSample, ButtonsSample, Contacts, Fingers, HandSample, HandState, PoseSample, Sample,
+    AXES, AxesSample, ButtonsSample, Contacts, Fingers, Flexion, HandSample, HandState, PoseSample,
+    Sample,
 };
 pub use serial_line::SerialError;
+pub use simulator::SimulatedDevice;
+#[cfg(unix)]
+pub use simulator::{Simulator, SimulatorError};
 pub use stream::{Stream, StreamCounts, stream_of};
 pub use tcp_line::TcpError;

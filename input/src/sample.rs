@@ -105,12 +105,54 @@ pub struct HandSample {
 }
 
 /// A hand's fingers, thumb first, little finger last; only what the glove can measure.
+///
+/// Of a hand that is let go, because its glove is lost or its messages are damaged, nothing is
+/// known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandState {
-    /// How far each finger is bent, from 0, straight, to 1, closed.
-    pub flexion: Option<[f64; 5]>,
+    /// How far each finger is bent.
+    pub flexion: [Option<Flexion>; 5],
     /// Which fingertips touch.
     pub contacts: Option<Contacts>,
+}
+
+/// How far a finger is bent at its joints, from 0, straight, to 1, as far as it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flexion {
+    /// At the knuckle.
+    pub near: f64,
+    /// At the joint after it. A glove with one sensor a finger has the same here.
+    pub far: f64,
+}
+
+impl Flexion {
+    /// That of a finger with one sensor.
+    #[must_use]
+    pub fn of_one_sensor(bent: f64) -> Self {
+        Self {
+            near: bent,
+            far: bent,
+        }
+    }
+
+    /// The finger's flexion in one number: the mean of its joints, so that 0 is a straight finger,
+    /// 1 one bent at both, and both joints count on the way.
+    #[must_use]
+    pub fn mean(self) -> f64 {
+        0.5 * (self.near + self.far)
+    }
+
+    /// The joint that is bent further.
+    #[must_use]
+    pub fn higher(self) -> f64 {
+        self.near.max(self.far)
+    }
+
+    /// The joint that is bent less.
+    #[must_use]
+    pub fn lower(self) -> f64 {
+        self.near.min(self.far)
+    }
 }
 
 /// A set of fingers: bit 0 is the thumb, bit 4 the little finger.
@@ -128,6 +170,8 @@ impl Fingers {
     pub const RING: Self = Self(1 << 3);
     /// The little finger.
     pub const LITTLE: Self = Self(1 << 4);
+    /// All five.
+    pub const ALL: Self = Self(0b1_1111);
 
     /// Whether all of `others` are among them.
     #[must_use]
@@ -146,6 +190,30 @@ impl Fingers {
     pub fn with(self, others: Self) -> Self {
         Self(self.0 | others.0)
     }
+
+    /// Those that are not among `others`.
+    #[must_use]
+    pub fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+
+    /// The finger with this number: 0 is the thumb, 4 the little finger.
+    #[must_use]
+    pub fn number(finger: usize) -> Self {
+        Self(1 << finger.min(7)).only(Self::ALL)
+    }
+
+    /// Those that are among `others`, too.
+    #[must_use]
+    pub fn only(self, others: Self) -> Self {
+        Self(self.0 & others.0)
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(self) -> u32 {
+        self.0.count_ones()
+    }
 }
 
 /// Which fingertips of a hand touch which.
@@ -155,4 +223,14 @@ pub struct Contacts {
     pub own: [Fingers; 5],
     /// For each finger, the fingers of the other hand that it is joined with.
     pub other: [Fingers; 5],
+}
+
+impl Contacts {
+    /// The fingers that touch any other, of either hand.
+    #[must_use]
+    pub fn fingers(&self) -> Fingers {
+        let joined = |finger: &usize| !self.own[*finger].with(self.other[*finger]).is_empty();
+        let fingers = (0..5).filter(joined).map(Fingers::number);
+        fingers.fold(Fingers::default(), Fingers::with)
+    }
 }

@@ -1,8 +1,11 @@
 //! Streams: from a device's bytes and their arrival times to samples.
 
 use crate::Sample;
+use crate::data_glove::DataGloveStream;
 use crate::dtrack::DtrackStream;
 use crate::flock::FlockStream;
+use crate::hid_glove::HidGloveStream;
+use crate::pinch::PinchStream;
 use crate::vrpn::VrpnStream;
 use sandtable_config::Device;
 use sandtable_pose::Nanos;
@@ -11,12 +14,27 @@ use std::fmt::Debug;
 /// Turns one device's bytes into samples. It knows no port and no clock: the bytes bring their
 /// times, so that live sessions, replay and tests run the same one and get the same samples.
 pub trait Stream: Debug + Send {
-    /// Takes the bytes of one read (or datagram), which ended at `arrival`; hands each sample to
-    /// `out`.
+    /// Takes the bytes of one read (or datagram, or report), which ended at `arrival`; hands each
+    /// sample to `out`. No bytes at all mean that time has passed; see [`Stream::due`].
     fn push(&mut self, bytes: &[u8], arrival: Nanos, out: &mut dyn FnMut(Sample));
 
     /// Forgets what came before, as after a restart of the device.
     fn restart(&mut self);
+
+    /// When it wants to be told the time by an empty read, should no byte come before: a stream
+    /// that believes a sample for a while only has no clock to end that by.
+    fn due(&self) -> Option<Nanos> {
+        None
+    }
+
+    /// Forgets what it has learnt of the device's ranges, for one that learns them.
+    fn reset_calibration(&mut self) {}
+
+    /// What it has learnt of the device's ranges, as the rig would have it; `None` where there is
+    /// nothing to learn.
+    fn calibration(&self) -> Option<String> {
+        None
+    }
 
     /// What it has seen.
     fn counts(&self) -> StreamCounts;
@@ -50,5 +68,8 @@ pub fn stream_of(device: &Device) -> Box<dyn Stream> {
         Device::Flock(flock) => Box::new(FlockStream::new(flock)),
         Device::Vrpn(vrpn) => Box::new(VrpnStream::new(vrpn)),
         Device::Dtrack(dtrack) => Box::new(DtrackStream::new(dtrack)),
+        Device::Pinch(pinch) => Box::new(PinchStream::new(pinch)),
+        Device::DataGlove(glove) => Box::new(DataGloveStream::new(glove)),
+        Device::HidGlove(glove) => Box::new(HidGloveStream::new(glove)),
     }
 }

@@ -10,7 +10,8 @@ use glam::{DQuat, DVec3};
 use sandtable_config::{Rig, SensorName};
 use sandtable_input::vrpn::{ServerError, VrpnServer, VrpnServerSettings};
 use sandtable_input::{
-    AXES, AxesSample, ButtonsSample, Clock, Devices, HandSample, HandState, Hub, PoseSample, Sample,
+    AXES, AxesSample, ButtonsSample, Clock, Contacts, Devices, Fingers, Flexion, HandSample,
+    HandState, Hub, PoseSample, Sample,
 };
 use sandtable_pose::{Nanos, Rigid, Validity};
 use std::collections::BTreeMap;
@@ -231,18 +232,29 @@ fn axes_and_bent_fingers_are_analogs() {
         values,
         count: 2,
     }));
-    let hand = HandState {
-        flexion: Some([0.0, 0.25, 0.5, 0.75, 1.0]),
+    let mut hand = HandState {
+        flexion: [0.0, 0.25, 0.5, 0.75, 1.0].map(|bent| Some(Flexion::of_one_sensor(bent))),
         contacts: None,
     };
-    session.push(Sample::Hand(HandSample {
-        sensor: 1,
-        time,
-        hand,
-    }));
+    let push = |hand| {
+        session.push(Sample::Hand(HandSample {
+            sensor: 1,
+            time,
+            hand,
+        }));
+    };
+    push(hand);
+    // A finger that is not known any more stays as it was.
+    hand.flexion[4] = None;
+    hand.flexion[0] = Some(Flexion {
+        near: 0.25,
+        far: 0.75,
+    });
+    push(hand);
     for (expected, channels) in [
         ("flock/2", &[2.0, -1.0, 0.75][..]),
         ("flock", &[5.0, 0.0, 0.25, 0.5, 0.75, 1.0]),
+        ("flock", &[5.0, 0.5, 0.25, 0.5, 0.75, 1.0]),
     ] {
         let (sender, kind, said) = guest.report();
         assert_eq!(
@@ -256,6 +268,38 @@ fn axes_and_bent_fingers_are_analogs() {
     }
     // A late client is told them too.
     assert_eq!(session.guest().report().1, "vrpn_Analog Channel");
+}
+
+#[test]
+fn touching_fingers_are_buttons_until_the_hand_is_let_go() {
+    let session = Session::start();
+    let mut guest = session.guest();
+    guest.ping();
+    let push = |contacts| {
+        let (time, flexion) = (session.clock.now(), Default::default());
+        let hand = HandState { flexion, contacts };
+        session.push(Sample::Hand(HandSample {
+            sensor: 2,
+            time,
+            hand,
+        }));
+    };
+    let mut contacts = Contacts::default();
+    contacts.own[0] = Fingers::INDEX;
+    contacts.own[1] = Fingers::THUMB;
+    contacts.other[4] = Fingers::THUMB;
+    push(Some(contacts));
+    push(None);
+    for state in [1, 0] {
+        for button in [0, 1, 4] {
+            let (sender, kind, said) = guest.report();
+            assert_eq!(
+                (sender.as_str(), kind.as_str()),
+                ("flock/2", "vrpn_Button Change")
+            );
+            assert_eq!([said.integer(0), said.integer(4)], [button, state]);
+        }
+    }
 }
 
 #[test]

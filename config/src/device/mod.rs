@@ -1,25 +1,39 @@
 //! Devices: what is plugged in where, and how it sits in the table's frame. One file a kind.
 
 mod axis_map;
+mod calibration;
+mod data_glove;
 mod dtrack;
 mod flock;
+mod gestures;
+mod hid;
+mod hid_glove;
+mod pinch;
 mod port;
 mod tracking;
 mod vrpn;
 
 pub use axis_map::AxisMap;
+pub use data_glove::DataGlove;
 pub use dtrack::Dtrack;
 pub use flock::{
     Addressing, Confirm, Flock, FlockMode, Hemisphere, QuaternionSign, Range, RecordFormat,
 };
+pub use gestures::Gestures;
+pub use hid::{ByteOrder, HidAddress, Side};
+pub use hid_glove::{HidBit, HidField, HidFinger, HidGlove};
+pub use pinch::Pinch;
 pub(crate) use port::port_remedy;
 pub use tracking::Tracking;
 pub use vrpn::{VRPN_PORT, Vrpn, VrpnAddress, VrpnPart};
 
 use crate::RigError;
 use crate::fields::Value;
+use data_glove::read_data_glove;
 use dtrack::read_dtrack;
 use flock::read_flock;
+use hid_glove::read_hid_glove;
+use pinch::read_pinch;
 use sandtable_pose::Rigid;
 use time::Date;
 use vrpn::read_vrpn;
@@ -33,6 +47,12 @@ pub enum Device {
     Vrpn(Vrpn),
     /// An ART DTrack controller, by UDP.
     Dtrack(Dtrack),
+    /// Fakespace PINCH gloves on a serial line.
+    Pinch(Pinch),
+    /// A 5DT Data Glove Ultra over USB.
+    DataGlove(DataGlove),
+    /// Any glove that is a HID device, by the rig's own description of its reports.
+    HidGlove(Box<HidGlove>),
 }
 
 /// The kinds, as they are written.
@@ -41,16 +61,40 @@ enum Kind {
     Flock,
     Vrpn,
     Dtrack,
+    Pinch,
+    DataGlove,
+    HidGlove,
 }
 
 impl Device {
-    /// How many sensors it has.
+    /// How many sensors it has. Of PINCH gloves, 1 is the left and 2 the right one.
     #[must_use]
     pub fn sensors(&self) -> u32 {
         match self {
             Self::Flock(flock) => flock.birds,
             Self::Vrpn(vrpn) => vrpn.sensors,
             Self::Dtrack(dtrack) => dtrack.bodies + dtrack.flysticks,
+            Self::Pinch(_) => 2,
+            Self::DataGlove(_) | Self::HidGlove(_) => 1,
+        }
+    }
+
+    /// What its fingers mean, where it is a glove.
+    #[must_use]
+    pub fn gestures(&self) -> Option<&Gestures> {
+        match self {
+            Self::Flock(_) | Self::Vrpn(_) | Self::Dtrack(_) => None,
+            Self::Pinch(pinch) => Some(&pinch.gestures),
+            Self::DataGlove(glove) => Some(&glove.gestures),
+            Self::HidGlove(glove) => Some(&glove.gestures),
+        }
+    }
+
+    /// Whether its sensors tell where they are.
+    pub(crate) fn has_poses(&self) -> bool {
+        match self {
+            Self::Flock(_) | Self::Vrpn(_) | Self::Dtrack(_) => true,
+            Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => false,
         }
     }
 
@@ -60,6 +104,7 @@ impl Device {
             Self::Flock(flock) => Some(&mut flock.table_from_tracker),
             Self::Vrpn(vrpn) => Some(&mut vrpn.tracking.table_from_tracker),
             Self::Dtrack(dtrack) => Some(&mut dtrack.tracking.table_from_tracker),
+            Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
         }
     }
 
@@ -70,6 +115,7 @@ impl Device {
             Self::Flock(flock) => flock.calibrated,
             Self::Vrpn(vrpn) => vrpn.tracking.calibrated,
             Self::Dtrack(dtrack) => dtrack.tracking.calibrated,
+            Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
         }
     }
 
@@ -77,7 +123,8 @@ impl Device {
     pub(crate) fn port_mut(&mut self) -> Option<&mut String> {
         match self {
             Self::Flock(flock) => Some(&mut flock.port),
-            Self::Vrpn(_) | Self::Dtrack(_) => None,
+            Self::Pinch(pinch) => Some(&mut pinch.port),
+            Self::Vrpn(_) | Self::Dtrack(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
         }
     }
 }
@@ -87,17 +134,24 @@ pub(crate) fn read_device(value: &Value<'_>) -> Result<Device, RigError> {
     let kind = fields
         .need(
             "kind",
-            "write what it is: \"flock-of-birds\", \"vrpn\" or \"dtrack\"",
+            "write what it is: \"flock-of-birds\", \"vrpn\", \"dtrack\", \"pinch\", \"data-glove\" or \
+             \"hid-glove\"",
         )?
         .choice(&[
             ("flock-of-birds", Kind::Flock),
             ("vrpn", Kind::Vrpn),
             ("dtrack", Kind::Dtrack),
+            ("pinch", Kind::Pinch),
+            ("data-glove", Kind::DataGlove),
+            ("hid-glove", Kind::HidGlove),
         ])?;
     let device = match kind {
         Kind::Flock => Device::Flock(read_flock(&fields)?),
         Kind::Vrpn => Device::Vrpn(read_vrpn(&fields)?),
         Kind::Dtrack => Device::Dtrack(read_dtrack(&fields)?),
+        Kind::Pinch => Device::Pinch(read_pinch(&fields)?),
+        Kind::DataGlove => Device::DataGlove(read_data_glove(&fields)?),
+        Kind::HidGlove => Device::HidGlove(Box::new(read_hid_glove(&fields)?)),
     };
     fields.finish()?;
     Ok(device)

@@ -22,9 +22,9 @@ pub use decoder::{Decoder, DecoderCounts};
 pub use driver::FlockError;
 pub use measurement::Scale;
 pub use record::{LONGEST_RECORD, Layout, Record, Words, buttons_pressed};
-pub use simulator::{Faults, Motion, RecordedMotion, SimulatedFlock, SimulatorSettings};
 #[cfg(unix)]
-pub use simulator::{Simulator, SimulatorError};
+pub use simulator::Simulator;
+pub use simulator::{Faults, Motion, RecordedMotion, SimulatedFlock, SimulatorSettings};
 pub use startup::{Action, Step, hemisphere_code, startup, stop_bytes};
 pub use status::{UnitStatus, error_in_words, system_status_length, system_status_problem};
 pub use stream::{FROZEN_AFTER, FlockStream, layout, record_period};

@@ -7,8 +7,8 @@
 //! | `/session/rig` | the rig: `{ "name", "text" }`, first of all | JSON |
 //! | `/session/placement` | how the world lies on the table, as the caller gives it | JSON |
 //! | `/session/gaps` | messages dropped since the last one: `{ "dropped" }` | JSON |
-//! | `/devices/NAME/bytes` | the bytes of each read, as they came | raw |
-//! | `/devices/NAME/events` | `{ "event": "started" }` or `"lost"` | JSON |
+//! | `/devices/NAME/bytes` | the bytes of each read, as they came; none where only time passed | raw |
+//! | `/devices/NAME/events` | `{ "event": "started" }`, `"lost"` or `"calibration-reset"` | JSON |
 //! | `/poses/NAME/N` | decoded poses, for viewers | `foxglove.PoseInFrame`, JSON |
 //!
 //! Log times are nanoseconds since the session's start. Replay reads bytes and events only, and
@@ -35,12 +35,14 @@ const GAPS_TOPIC: &str = "/session/gaps";
 
 /// What happens to a device between its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "event", rename_all = "lowercase")]
+#[serde(tag = "event", rename_all = "kebab-case")]
 pub enum DeviceEvent {
     /// It was started: what comes now belongs to nothing before.
     Started,
     /// It fell silent or went away.
     Lost,
+    /// What was learnt of its ranges was forgotten.
+    CalibrationReset,
 }
 
 /// The rig as a recording keeps it.

@@ -174,6 +174,7 @@ impl Replay {
                     });
                 }
                 What::Event(DeviceEvent::Started) => stream.restart(),
+                What::Event(DeviceEvent::CalibrationReset) => stream.reset_calibration(),
                 What::Event(DeviceEvent::Lost) => hub.let_go(&entry.device, entry.arrival),
             }
         }
@@ -194,6 +195,7 @@ impl Replay {
                     stream.push(bytes, entry.arrival, &mut |sample| samples.push(sample));
                 }
                 What::Event(DeviceEvent::Started) => stream.restart(),
+                What::Event(DeviceEvent::CalibrationReset) => stream.reset_calibration(),
                 What::Event(DeviceEvent::Lost) => {}
             }
         }

@@ -9,6 +9,7 @@ use crate::flock::startup::{
     STREAM, TO_ADDRESS, TO_UNIT,
 };
 use crate::flock::status::system_status_length;
+use crate::simulator::{SimulatedDevice, SimulatedLine};
 use glam::DVec3;
 use sandtable_config::{Addressing, QuaternionSign, Range, RecordFormat};
 use sandtable_pose::Rigid;
@@ -33,8 +34,7 @@ pub struct SimulatedFlock {
     stream: Option<Stream>,
     /// When the first stream began: motions count from here.
     epoch: Option<Duration>,
-    line: VecDeque<u8>,
-    line_free: Duration,
+    line: SimulatedLine,
     stream_bytes: u64,
     stream_records: u64,
 }
@@ -117,8 +117,7 @@ impl SimulatedFlock {
             errors: VecDeque::new(),
             stream: None,
             epoch: None,
-            line: VecDeque::new(),
-            line_free: Duration::ZERO,
+            line: SimulatedLine::new(settings.baud),
             stream_bytes: 0,
             stream_records: 0,
             settings,
@@ -190,10 +189,10 @@ impl SimulatedFlock {
     pub fn send(&mut self, now: Duration) -> Vec<u8> {
         let mut out = Vec::new();
         while let Some((began, due)) = self.next_cycle().filter(|(_, due)| *due <= now) {
-            self.carry(due, &mut out);
+            self.line.carry(due, &mut out);
             self.cycle(began, due);
         }
-        self.carry(now, &mut out);
+        self.line.carry(now, &mut out);
         out
     }
 
@@ -201,8 +200,7 @@ impl SimulatedFlock {
     #[must_use]
     pub fn quiet_for(&self, now: Duration) -> Option<Duration> {
         let cycle = self.next_cycle().map(|(_, due)| due);
-        let line = (!self.line.is_empty()).then(|| self.line_free + self.byte_time());
-        let next = [cycle, line].into_iter().flatten().min()?;
+        let next = [cycle, self.line.next()].into_iter().flatten().min()?;
         Some(next.saturating_sub(now))
     }
 
@@ -210,29 +208,6 @@ impl SimulatedFlock {
     #[must_use]
     pub fn epoch(&self) -> Option<Duration> {
         self.epoch
-    }
-
-    fn byte_time(&self) -> Duration {
-        Duration::from_secs_f64(10.0 / f64::from(self.settings.baud.max(1)))
-    }
-
-    /// Lets the line carry bytes until `now`.
-    fn carry(&mut self, now: Duration, out: &mut Vec<u8>) {
-        let byte_time = self.byte_time();
-        while self.line_free + byte_time <= now {
-            let Some(byte) = self.line.pop_front() else {
-                break;
-            };
-            self.line_free += byte_time;
-            out.push(byte);
-        }
-    }
-
-    fn queue(&mut self, bytes: &[u8], now: Duration) {
-        if self.line.is_empty() {
-            self.line_free = self.line_free.max(now);
-        }
-        self.line.extend(bytes);
     }
 
     fn next_cycle(&self) -> Option<(Duration, Duration)> {
@@ -257,7 +232,7 @@ impl SimulatedFlock {
         stream.next = stream.next.saturating_add(stream.every);
         let time = due.saturating_sub(self.epoch.unwrap_or(began));
         // A line that is still busy with the last cycle gets the next one.
-        if !self.line.is_empty() || self.settings.faults.stalled(time) {
+        if self.line.next().is_some() || self.settings.faults.stalled(time) {
             return;
         }
         let bytes = self.records(time, u64::from(cycle));
@@ -275,7 +250,7 @@ impl SimulatedFlock {
                     .drop_every
                     .is_some_and(|n| n > 0 && self.stream_bytes.is_multiple_of(n));
                 if !dropped {
-                    self.queue(&[byte], due);
+                    self.line.queue(&[byte], due);
                 }
             }
         }
@@ -362,7 +337,7 @@ impl SimulatedFlock {
                 .epoch
                 .map_or(Duration::ZERO, |epoch| now.saturating_sub(epoch));
             let records = self.records(time, 0);
-            self.queue(&records, now);
+            self.line.queue(&records, now);
         }
     }
 
@@ -419,13 +394,33 @@ impl SimulatedFlock {
             }
             _ => return self.error(INVALID_COMMAND),
         };
-        self.queue(&answer, now);
+        self.line.queue(&answer, now);
     }
 
     fn error(&mut self, code: u8) {
         if self.errors.len() < 16 {
             self.errors.push_back(code);
         }
+    }
+}
+
+impl SimulatedDevice for SimulatedFlock {
+    fn receive(&mut self, bytes: &[u8], now: Duration) {
+        self.receive(bytes, now);
+    }
+
+    fn send(&mut self, now: Duration) -> Vec<u8> {
+        self.send(now)
+    }
+
+    fn quiet_for(&self, now: Duration) -> Option<Duration> {
+        self.quiet_for(now)
+    }
+}
+
+impl From<SimulatorSettings> for SimulatedFlock {
+    fn from(settings: SimulatorSettings) -> Self {
+        Self::new(settings)
     }
 }
 

@@ -1,19 +1,28 @@
 //! A simulated Flock of Birds: the other side of the line.
 //!
 //! [`SimulatedFlock`] answers commands and streams records as a pure state machine; [`Simulator`]
-//! runs one on a pseudo-terminal, so that the real driver can open it as it would a serial port.
+//! runs it on a pseudo-terminal, so that the real driver can open it as it would a serial port.
 
 mod device;
 mod motion;
-#[cfg(unix)]
-mod pty;
 mod recorded;
 
 pub use device::SimulatedFlock;
 pub use motion::Motion;
-#[cfg(unix)]
-pub use pty::{Simulator, SimulatorError};
 pub use recorded::RecordedMotion;
+
+/// A simulated Flock of Birds on a pseudo-terminal.
+#[cfg(unix)]
+pub type Simulator = crate::simulator::Simulator<SimulatedFlock>;
+
+#[cfg(unix)]
+impl Simulator {
+    /// Moves bird `bird`, from 1, otherwise: every record that is measured after this returns has
+    /// it there. A bird that is not there changes nothing.
+    pub fn set_motion(&self, bird: u32, motion: Motion) {
+        self.change(move |flock| flock.set_motion(bird, motion));
+    }
+}
 
 use super::record::PHASE;
 use sandtable_config::Addressing;

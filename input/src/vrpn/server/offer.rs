@@ -1,7 +1,7 @@
 //! The offer: which senders a hub's sensors are, and what their samples are in VRPN's words.
 
 use crate::vrpn::{BigEndian, Report, TrackerPose};
-use crate::{AXES, Hub, Sample};
+use crate::{AXES, Flexion, HandState, Hub, Sample};
 use sandtable_config::SensorName;
 use sandtable_pose::Nanos;
 use std::collections::BTreeMap;
@@ -59,6 +59,12 @@ impl Offer {
         if let Some(axes) = hub.axes_at(sensor, end) {
             standing.channels = Some((axes.values, axes.count.min(AXES)));
         }
+        if let Some(hand) = hub.hand_at(sensor, end) {
+            standing.take_hand(&hand);
+            if let Some(contacts) = hand.contacts {
+                standing.press(contacts.fingers().0.into());
+            }
+        }
     }
 
     /// The senders' names, in the order of their numbers.
@@ -93,26 +99,21 @@ impl Offer {
                 out(number(tracker), &report);
             }
             Sample::Buttons(buttons) => {
-                let changed = standing.pressed.unwrap_or(0) ^ buttons.pressed;
-                standing.press(buttons.pressed);
-                for button in (0..BUTTONS).filter(|n| changed >> n & 1 == 1) {
-                    let report = Report::ButtonChange {
-                        button: button as i32,
-                        state: i32::from(buttons.pressed >> button & 1 == 1),
-                    };
-                    out(number(sender), &report);
-                }
+                standing.tell_buttons(number(sender), buttons.pressed, out);
             }
             Sample::Axes(axes) => {
                 standing.channels = Some((axes.values, axes.count.min(AXES)));
                 standing.tell_channels(number(sender), out);
             }
             Sample::Hand(hand) => {
-                if let Some(flexion) = hand.hand.flexion {
-                    let mut values = [0.0; AXES];
-                    values[..flexion.len()].copy_from_slice(&flexion);
-                    standing.channels = Some((values, flexion.len()));
+                if standing.take_hand(&hand.hand) {
                     standing.tell_channels(number(sender), out);
+                }
+                let touching = hand.hand.contacts.map(|contacts| contacts.fingers());
+                // A hand that is let go touches nothing; one that never told contacts has no buttons.
+                if touching.is_some() || standing.pressed.is_some() {
+                    let pressed = u64::from(touching.unwrap_or_default().0);
+                    standing.tell_buttons(number(sender), pressed, out);
                 }
             }
         }
@@ -137,6 +138,33 @@ impl Standing {
         self.pressed = Some(pressed);
         let highest = (u64::BITS - pressed.leading_zeros()) as usize;
         self.buttons = self.buttons.max(highest);
+    }
+
+    /// Takes in how far fingers are bent, the thumb first; whether that is known of any.
+    ///
+    /// VRPN has no word for a value that is not known: such a finger keeps the one it had.
+    fn take_hand(&mut self, hand: &HandState) -> bool {
+        let known = hand.flexion.iter().any(Option::is_some);
+        if known {
+            let (mut values, _) = self.channels.unwrap_or_default();
+            for (value, flexion) in values.iter_mut().zip(hand.flexion) {
+                *value = flexion.map_or(*value, Flexion::mean);
+            }
+            self.channels = Some((values, hand.flexion.len()));
+        }
+        known
+    }
+
+    fn tell_buttons(&mut self, sender: i32, pressed: u64, out: &mut dyn FnMut(i32, &Report<'_>)) {
+        let changed = self.pressed.unwrap_or(0) ^ pressed;
+        self.press(pressed);
+        for button in (0..BUTTONS).filter(|n| changed >> n & 1 == 1) {
+            let report = Report::ButtonChange {
+                button: button as i32,
+                state: i32::from(pressed >> button & 1 == 1),
+            };
+            out(sender, &report);
+        }
     }
 
     fn tell_channels(&self, sender: i32, out: &mut dyn FnMut(i32, &Report<'_>)) {

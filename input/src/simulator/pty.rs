@@ -1,6 +1,6 @@
-//! The simulated Flock on a pseudo-terminal.
+//! A simulated device on a pseudo-terminal.
 
-use super::{Motion, SimulatedFlock, SimulatorSettings};
+use super::SimulatedDevice;
 use crossbeam_channel::{Receiver, Sender};
 use serialport::{SerialPort, TTYPort};
 use std::io::{ErrorKind, Read, Write};
@@ -10,18 +10,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// A simulated Flock that runs in a thread of its own until it is stopped or dropped.
+/// A simulated device that runs in a thread of its own until it is stopped or dropped.
 #[derive(Debug)]
-pub struct Simulator {
+pub struct Simulator<D> {
     path: PathBuf,
     link: Option<PathBuf>,
     stop: Arc<AtomicBool>,
-    moves: Sender<Move>,
+    changes: Sender<Change<D>>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// A bird, how it moves from now on, and whom to tell that it does.
-struct Move(u32, Motion, Sender<()>);
+/// What is to be done to the device by its own thread.
+type Change<D> = Box<dyn FnOnce(&mut D) + Send>;
 
 /// Why a simulator cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -52,13 +52,14 @@ pub enum SimulatorError {
     Thread(#[source] std::io::Error),
 }
 
-impl Simulator {
-    /// Starts a simulated Flock; `link` becomes a symbolic link to its terminal for as long as it
-    /// runs.
+impl<D: SimulatedDevice + 'static> Simulator<D> {
+    /// Starts a simulated device, as from its kind's settings; `link` becomes a symbolic link to
+    /// its terminal for as long as it runs.
     ///
     /// # Errors
     /// Where there is no pseudo-terminal, or the link's place is taken.
-    pub fn start(settings: SimulatorSettings, link: Option<&Path>) -> Result<Self, SimulatorError> {
+    pub fn start(device: impl Into<D>, link: Option<&Path>) -> Result<Self, SimulatorError> {
+        let mut device = device.into();
         let (mut host_side, device_side) = TTYPort::pair().map_err(SimulatorError::NoTerminal)?;
         let path = PathBuf::from(device_side.name().unwrap_or_default());
         if let Some(link) = link {
@@ -66,12 +67,11 @@ impl Simulator {
         }
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
-        let (moves, moved) = crossbeam_channel::bounded(0);
+        let (changes, changed) = crossbeam_channel::bounded::<Change<D>>(0);
         let thread = std::thread::Builder::new()
-            .name("simulated flock".into())
+            .name("simulated device".into())
             .spawn(move || {
-                let flock = SimulatedFlock::new(settings);
-                run(&mut host_side, flock, &moved, &stopped);
+                run(&mut host_side, &mut device, &changed, &stopped);
                 // Held open so that the terminal outlives the hosts that come and go.
                 drop(device_side);
             })
@@ -80,7 +80,7 @@ impl Simulator {
             path,
             link: link.map(Path::to_owned),
             stop,
-            moves,
+            changes,
             thread: Some(thread),
         })
     }
@@ -91,11 +91,16 @@ impl Simulator {
         &self.path
     }
 
-    /// Moves bird `bird`, from 1, otherwise: every record that is measured after this returns has
-    /// it there. A bird that is not there, or a terminal that is gone, changes nothing.
-    pub fn set_motion(&self, bird: u32, motion: Motion) {
+    /// Changes the device while it runs; when this returns, it is changed. Where the terminal is
+    /// gone, nothing is left to change.
+    pub fn change(&self, change: impl FnOnce(&mut D) + Send + 'static) {
         let (done, is_done) = crossbeam_channel::bounded(1);
-        if self.moves.send(Move(bird, motion, done)).is_ok() {
+        let change = Box::new(move |device: &mut D| {
+            change(device);
+            // Nobody may wait any more.
+            let _ = done.send(());
+        });
+        if self.changes.send(change).is_ok() {
             // An error means that the thread has ended.
             let _ = is_done.recv();
         }
@@ -105,7 +110,9 @@ impl Simulator {
     pub fn stop(mut self) {
         self.end();
     }
+}
 
+impl<D> Simulator<D> {
     fn end(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
@@ -120,34 +127,37 @@ impl Simulator {
     }
 }
 
-impl Drop for Simulator {
+impl<D> Drop for Simulator<D> {
     fn drop(&mut self) {
         self.end();
     }
 }
 
-fn run(port: &mut TTYPort, mut flock: SimulatedFlock, moves: &Receiver<Move>, stop: &AtomicBool) {
+fn run<D: SimulatedDevice>(
+    port: &mut TTYPort,
+    device: &mut D,
+    changes: &Receiver<Change<D>>,
+    stop: &AtomicBool,
+) {
     let start = Instant::now();
     let mut bytes = [0; 256];
     while !stop.load(Ordering::Relaxed) {
-        while let Ok(Move(bird, motion, done)) = moves.try_recv() {
-            flock.set_motion(bird, motion);
-            // Nobody may wait any more.
-            let _ = done.send(());
+        while let Ok(change) = changes.try_recv() {
+            change(device);
         }
-        let quiet = flock
+        let quiet = device
             .quiet_for(start.elapsed())
             .map_or(Duration::from_millis(20), |quiet| {
                 quiet.clamp(Duration::from_millis(1), Duration::from_millis(20))
             });
         let _ = port.set_timeout(quiet);
         match port.read(&mut bytes) {
-            Ok(count) => flock.receive(&bytes[..count], start.elapsed()),
+            Ok(count) => device.receive(&bytes[..count], start.elapsed()),
             Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
             // The terminal is gone; nothing can be simulated on it.
             Err(_) => return,
         }
-        let sent = flock.send(start.elapsed());
+        let sent = device.send(start.elapsed());
         // A terminal that nobody reads fills up; as on a real line, what does not fit is lost.
         let _ = port.set_timeout(Duration::from_millis(1));
         let _ = port.write_all(&sent);
@@ -181,7 +191,7 @@ mod tests {
     #[test]
     fn a_link_left_to_the_terminal_that_is_now_ours_is_taken_over() {
         let folder = tempfile::tempdir().unwrap();
-        let link = folder.path().join("flock");
+        let link = folder.path().join("device");
         // A terminal that is there, as one whose number was free again; this one always is.
         let ours = Path::new("/dev/pts/ptmx");
         std::os::unix::fs::symlink(ours, &link).unwrap();
