@@ -191,6 +191,20 @@ impl Hub {
         Some(sample.pressed)
     }
 
+    /// The buttons that were down at any time after `from` and up to `to`, so that none is missed
+    /// that is pressed for a moment; `None` where nothing is known of them.
+    #[must_use]
+    pub fn buttons_between(&self, sensor: &SensorName, from: Nanos, to: Nanos) -> Option<u64> {
+        let history = self.named(sensor)?.buttons.lock();
+        let up_to = history.partition_point(|sample| sample.time <= to);
+        let newest = up_to.checked_sub(1)?;
+        let after = history.partition_point(|sample| sample.time <= from);
+        // The one before them holds on until the first.
+        let first = after.saturating_sub(1).min(newest);
+        let pressed = history.range(first..up_to).map(|sample| sample.pressed);
+        Some(pressed.fold(0, |all, pressed| all | pressed))
+    }
+
     /// The axes as they were at `time`; `None` where nothing is known of them.
     #[must_use]
     pub fn axes_at(&self, sensor: &SensorName, time: Nanos) -> Option<AxesSample> {
@@ -462,6 +476,12 @@ mod tests {
             [at(9), at(10), at(19), at(1000)],
             [None, Some(1), Some(1), Some(6)]
         );
+        pressed(25, 0);
+        let between = |from: u64, to: u64| hub.buttons_between(&head(), time(from), time(to));
+        assert_eq!([between(0, 5), between(0, 10)], [None, Some(1)]);
+        assert_eq!([between(12, 15), between(12, 40)], [Some(1), Some(7)]);
+        assert_eq!([between(22, 40), between(25, 40)], [Some(6), Some(0)]);
+        pressed(30, 0b110);
         let hand = HandState {
             flexion: [0.0, 0.25, 0.5, 0.75, 1.0].map(|bent| Some(Flexion::of_one_sensor(bent))),
             contacts: None,
