@@ -52,6 +52,8 @@ pub(super) struct HandWork {
     pub(super) pointed: Option<DVec3>,
     /// Where the hand is beside the mouse's pointer, in table metres.
     beside_pointer: DVec2,
+    /// Where the mouse's hand was when a button went down since the last step.
+    pressed: Option<Rigid>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +89,15 @@ impl Session {
         };
         // The hand hovers over the place on the glass that the mouse points to; beside it, while
         // it is at something that began there.
-        let on_glass = screen.upper_left + pointer.x * across - pointer.y * upwards;
+        let upper_left = screen.upper_left;
+        let on_glass = |at: DVec2| upper_left + at.x * across - at.y * upwards;
+        if let Some(at) = mouse.pressed_at.filter(|_| self.doing.at.is_none()) {
+            let mut pressed = self.hand.clone();
+            let height = pressed.table_from_body().translation.z;
+            pressed.place(on_glass(at).with_z(height));
+            self.doing.pressed = Some(pressed.table_from_body());
+        }
+        let on_glass = on_glass(pointer);
         let hand = self.hand.table_from_body().translation;
         if moves_head || moves_hand {
             self.doing.beside_pointer = (hand - on_glass).truncate();
@@ -106,6 +116,7 @@ impl Session {
         intents: &IntentState,
         mouse: &MouseDrive,
     ) -> FlightAxes {
+        let pressed = self.doing.pressed.take();
         if intents.begins(Intent::NextMode) {
             self.doing.mode = self.doing.mode.next();
         }
@@ -122,18 +133,20 @@ impl Session {
         };
         let hand = self.hand.table_from_body();
         let tracked = self.hand.is_tracked();
-        let began = Work {
+        let at = |from| Work {
             mode,
-            from: hand,
+            from,
             tracked,
         };
         let work = self
             .doing
             .at
             .filter(|work| (work.mode, work.tracked) == (mode, tracked));
-        let work = work.unwrap_or(began);
+        // A drag may have begun before this step.
+        let began = pressed.filter(|_| !tracked).unwrap_or(hand);
+        let work = work.unwrap_or(at(began));
         self.doing.at = Some(match mode {
-            HandMode::Grab => began,
+            HandMode::Grab => at(hand),
             HandMode::Fly | HandMode::Point => work,
         });
         match (mode, &mut self.viewpoint) {

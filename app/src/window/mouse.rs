@@ -9,6 +9,8 @@ pub(crate) struct MouseDrive {
     /// Where the pointer is: from (0, 0) at the picture's upper left to (1, 1) at its lower right
     /// corner; `None` where it is not over the picture.
     pub(crate) pointer: Option<DVec2>,
+    /// Where it was when a button went down since the last call, if one did.
+    pub(crate) pressed_at: Option<DVec2>,
     /// How far it moved over the picture since the last call.
     pub(crate) moved: DVec2,
     /// Notches that the wheel was turned away from the hand since the last call.
@@ -36,6 +38,8 @@ pub(super) struct Mouse {
     buttons: [bool; 3],
     /// Those that went down since the last call, so that a short click counts for one.
     clicked: [bool; 3],
+    /// Where the pointer was when the first of them did, in pixels of the window.
+    pressed_at: Option<DVec2>,
     wheel: f64,
 }
 
@@ -63,6 +67,9 @@ impl Mouse {
     pub(super) fn button(&mut self, index: usize, down: bool) {
         self.buttons[index] = down;
         self.clicked[index] |= down;
+        if down {
+            self.pressed_at = self.pressed_at.or(self.pointer);
+        }
     }
 
     /// The wheel was turned over the picture.
@@ -102,6 +109,7 @@ impl Mouse {
         };
         MouseDrive {
             pointer: self.pointer.map(in_picture),
+            pressed_at: self.pressed_at.take().map(in_picture),
             moved: std::mem::take(&mut self.moved) * eyes / height,
             wheel: std::mem::take(&mut self.wheel),
             picture: frame,
@@ -185,5 +193,19 @@ mod tests {
         mouse.button(1, false);
         assert_eq!(mouse.take_buttons(), [false, true, false]);
         assert_eq!(mouse.take_buttons(), [false; 3]);
+    }
+
+    #[test]
+    fn what_is_dragged_before_the_next_frame_began_where_the_button_went_down() {
+        let mut mouse = Mouse::default();
+        mouse.moved(DVec2::new(10.0, 20.0), false);
+        mouse.moved(DVec2::new(30.0, 20.0), false);
+        mouse.button(0, true);
+        mouse.moved(DVec2::new(70.0, 20.0), false);
+        mouse.button(1, true);
+        let drive = mouse.take([100, 100], StereoMode::Mono);
+        assert_eq!(drive.pressed_at, Some(DVec2::new(0.3, 0.2)));
+        assert_eq!(drive.pointer, Some(DVec2::new(0.7, 0.2)));
+        assert_eq!(mouse.take([100, 100], StereoMode::Mono).pressed_at, None);
     }
 }
