@@ -68,10 +68,10 @@ pub(super) fn lay_out(
             messages(ui, readings.messages.iter().chain(&vitals.messages));
         });
     if settings.keys {
+        let room = ui.ctx().content_rect().height() - 60.0;
         let window = egui::Window::new("Controls").open(&mut settings.keys);
-        window
-            .resizable(false)
-            .show(ui.ctx(), |ui| controls(ui, bindings));
+        let window = window.vscroll(true).default_height(room).max_height(room);
+        window.show(ui.ctx(), |ui| controls(ui, bindings));
     }
     wishes
 }
@@ -111,6 +111,10 @@ fn position(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
             position[axis] = value;
             wishes.push(Wish::Position(position));
         }
+    }
+    // The middle of a glass is a place on the table, not one that flies.
+    if readings.table.is_some() {
+        return;
     }
     ui.label("above ground");
     ui.label(readings.above_ground.map_or_else(
@@ -285,17 +289,14 @@ fn messages<'a>(ui: &mut Ui, all: impl Iterator<Item = &'a String>) {
     }
 }
 
-/// What people can ask for and by what, as many lines as there is room for.
+/// What people can ask for, and by what.
 fn controls(ui: &mut Ui, bindings: &[(String, String)]) {
-    let room = ui.ctx().content_rect().height() - 120.0;
-    ScrollArea::vertical().max_height(room).show(ui, |ui| {
-        Grid::new("controls").num_columns(2).show(ui, |ui| {
-            for (meaning, sources) in bindings {
-                ui.label(meaning);
-                ui.label(RichText::new(sources).strong());
-                ui.end_row();
-            }
-        });
+    Grid::new("controls").num_columns(2).show(ui, |ui| {
+        for (meaning, sources) in bindings {
+            ui.label(meaning);
+            ui.label(RichText::new(sources).strong());
+            ui.end_row();
+        }
     });
 }
 
