@@ -174,16 +174,18 @@ fn a_file_that_is_none_is_refused_by_rig_line_file_and_remedy() {
 
 #[test]
 fn a_rig_names_no_file_outside_its_folder() {
+    let folder = "write the name of a file in the rig's folder";
     for (name, shown) in [
-        ("'/etc/passwd'", "/etc/passwd"),
-        ("'../lab.toml'", "../lab.toml"),
-        ("''", "\"\""),
-        ("7", "is a number"),
+        ("'/etc/passwd'", ["/etc/passwd", folder]),
+        ("'../lab.toml'", ["../lab.toml", folder]),
+        ("''", ["\"\"", folder]),
+        ("7", ["is a number", "in quotes"]),
     ] {
         let text = rig_text(FLOCK).replace("'lab.t-field.toml'", name);
         let error = Rig::parse(&text, "lab.toml").unwrap_err().to_string();
-        for part in ["lab.toml, line 10: `devices.t.correction`", shown] {
-            assert!(error.contains(part), "no {part:?} in {error}");
+        let line = "lab.toml, line 10: `devices.t.correction`";
+        for part in [line].iter().chain(&shown) {
+            assert!(error.contains(*part), "no {part:?} in {error}");
         }
     }
 }

@@ -153,7 +153,14 @@ impl Destination {
             device: device.to_owned(),
             file: file.to_owned(),
         };
-        self.save_with(&entry, &BTreeMap::from([(file.to_owned(), text)]), today)
+        let measured = BTreeMap::from([(file.to_owned(), text)]);
+        let saved = self.save_with(&entry, &measured, today);
+        if saved.is_err() {
+            // Touching all marks again would take far longer than to copy this.
+            notice(format_args!("this is what was measured, for {file}:"));
+            measured.values().for_each(notice);
+        }
+        saved
     }
 
     /// Writes the rig with `entry` in it. Whatever goes wrong, the file that was there stays, and
@@ -201,9 +208,6 @@ impl Destination {
             for line in changes(old, &new) {
                 notice(line);
             }
-            for (name, text) in measured {
-                notice(format_args!("{name}:\n{text}"));
-            }
         }
         written
     }
@@ -213,12 +217,14 @@ impl Destination {
 fn write_new(path: &Path, rig: &str, files: &BTreeMap<String, String>) -> Result<()> {
     for (name, text) in files {
         let file = beside(path, name);
-        // That is the rig's own already.
-        if file.symlink_metadata().is_err() {
-            files::make_folder(&file)?;
-            write(&file, text, None)?;
-            notice(format_args!("{} is written", file.display()));
+        match std::fs::read(&file) {
+            // The old rig's own, of which the new one is a neighbour.
+            Ok(found) if found == text.as_bytes() => continue,
+            Ok(_) => bail!("{} exists and is never overwritten", file.display()),
+            Err(_) => files::make_folder(&file)?,
         }
+        write(&file, text, None)?;
+        notice(format_args!("{} is written", file.display()));
     }
     write(path, rig, None)?;
     notice(format_args!("{} is written", path.display()));

@@ -8,6 +8,7 @@ use crate::program::Folder;
 use glam::DVec3;
 use sandtable_config::{Calibrated, Device, Rig};
 use sandtable_pose::Rigid;
+use std::time::Duration;
 use time::{Date, Month};
 
 const FILE: &str = "rig.flock-field.toml";
@@ -74,6 +75,8 @@ fn touch(
         let offset = table_from_tracker().direction(rotation(angles) * TIP);
         let sensor = *place + slip(index) - offset;
         bird.put(tracker_from_table.point(field(sensor)), angles);
+        // What was sent before is read by then: else half a second of it could pass for the mark.
+        std::thread::sleep(Duration::from_millis(250));
         talk.measure();
     }
 }
@@ -328,6 +331,44 @@ fn what_does_not_help_is_not_recommended_and_an_old_correction_is_not_measured()
     assert_eq!(folder.read("rig.toml"), rig, "it names the file already");
     let names = ["bird", "many.toml", "marks.toml", FILE, &kept, "rig.toml"];
     assert_eq!(folder.names(), names);
+}
+
+#[test]
+fn a_full_disk_keeps_the_old_correction_and_prints_the_new_one() {
+    let folder = folder();
+    shifted(&folder);
+    let few = pegs([2, 2, 3]);
+    write_marks(&folder, "many.toml", &few);
+    let (old, rig, names) = (folder.read(FILE), folder.read("rig.toml"), folder.names());
+    let mut bird = Bird::start(&folder, "");
+    let run = "field --rig rig.toml --marks many.toml";
+    let mut talk = Talk::start_on_a_full_disk(&folder, run);
+    touch(&mut bird, &mut talk, &few, |place| place, |_| DVec3::ZERO);
+    talk.hear("w writes it all the same");
+    talk.say("w");
+    let ended = talk.fails(&["cannot write", FILE, "full"]);
+    let (_, printed) = ended
+        .out
+        .split_once("this is what was measured, for rig.flock-field.toml:\n")
+        .expect("it is printed");
+    let day = printed
+        .lines()
+        .nth(1)
+        .and_then(|line| line.split_once(" = "));
+    let (_, day) = day.expect("the day it was measured");
+    assert_eq!((folder.read(FILE), folder.read("rig.toml")), (old, rig));
+    let kept = format!("{FILE}.bak-{day}");
+    let left = folder
+        .names()
+        .into_iter()
+        .filter(|name| *name != kept && name != "bird");
+    assert_eq!(left.collect::<Vec<_>>(), names);
+    // Copied into the file, it is what would have been written.
+    folder.write(FILE, printed);
+    let rig = calibrated(&folder, "rig.toml");
+    let moves = rig.devices["flock"].correction().expect("it is named");
+    let moves = moves.grid().displacements().iter().map(|d| d.length());
+    assert!(moves.fold(0.0, f64::max) < 1e-3);
 }
 
 #[test]
