@@ -6,7 +6,7 @@ mod reproduce;
 
 pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
 pub(crate) use calibrate::{
-    CalibrateArgs, CalibrateCheckArgs, CalibrateEyesArgs, CalibrateStylusArgs,
+    CalibrateArgs, CalibrateCheckArgs, CalibrateEyesArgs, CalibrateFieldArgs, CalibrateStylusArgs,
     CalibrateTrackerArgs, CalibrationStep, SavingArgs,
 };
 pub(crate) use reproduce::{Paper, ReproduceArgs};

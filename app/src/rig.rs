@@ -43,12 +43,14 @@ pub(crate) fn calibration_age(rig: &Rig, today: Date) -> Option<String> {
         // A clock that was set back.
         Some((_, day)) => format!("on {day}"),
     };
-    let mut parts: Vec<String> = rig
-        .devices
-        .iter()
-        .filter(|(_, device)| device.has_poses())
-        .map(|(name, device)| format!("{name} {}", age(device.calibrated())))
-        .collect();
+    let mut parts = Vec::new();
+    let trackers = rig.devices.iter().filter(|(_, device)| device.has_poses());
+    for (name, device) in trackers {
+        parts.push(format!("{name} {}", age(device.calibrated())));
+        if let Some(correction) = device.correction() {
+            parts.push(format!("its field {}", age(Some(correction.calibrated()))));
+        }
+    }
     if let Some(head) = &rig.head {
         parts.push(format!("eyes {}", age(head.eyes.calibrated)));
     }

@@ -1,26 +1,36 @@
 //! Writing what was measured into a rig's text, which stays as people wrote it otherwise.
 
+use crate::beside::Beside;
 use crate::{Rig, RigError, SensorName};
 use glam::{DQuat, DVec3};
 use sandtable_pose::Rigid;
 use time::Date;
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// Decimals of metres that are written: a thousandth of a millimetre.
-const METRE_DECIMALS: i32 = 6;
+pub(crate) const METRE_DECIMALS: i32 = 6;
 
 /// Decimals of quaternions and directions: a micrometre at 100 m.
-const ROTATION_DECIMALS: i32 = 9;
+pub(crate) const ROTATION_DECIMALS: i32 = 9;
 
 /// An entry of a rig that was measured at the table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Calibrated {
-    /// How a tracker stands at the table: `table_from_tracker` of a device.
+    /// How a tracker stands at the table: `table_from_tracker` of a device. A `correction` of its
+    /// field was measured for where it stood before, and is named no more.
     Tracker {
         /// The device's name.
         device: String,
         /// From the transmitter's frame to the table's.
         table_from_tracker: Rigid,
+    },
+    /// How a tracker's field is bent: `correction` of a device. The day stands in its file.
+    Field {
+        /// The device's name.
+        device: String,
+        /// The correction's file, from the rig's folder; [`FieldCorrection::compose`](crate::FieldCorrection::compose) says what is
+        /// in it.
+        file: String,
     },
     /// Where a stylus has its tip: `[stylus]`.
     Stylus {
@@ -42,12 +52,13 @@ pub enum Calibrated {
 
 impl Calibrated {
     /// `text`, a rig, with this entry and the day it was measured in it. Comments, order and every
-    /// other entry stay as they are. Errors call the rig `file`.
+    /// other entry stay as they are. Errors call the rig `file`; the files that it names are not
+    /// read.
     ///
     /// # Errors
     /// Where `text` is no rig, or has no device or head that the entry belongs to.
     pub fn write_into(&self, text: &str, file: &str, date: Date) -> Result<String, RigError> {
-        let rig = Rig::parse(text, file)?;
+        let rig = Rig::parse_beside(text, file, Beside::Unread)?;
         self.admit(&rig)?;
         let is_crlf = text.contains("\r\n");
         let text = text.replace("\r\n", "\n");
@@ -63,14 +74,16 @@ impl Calibrated {
         if is_crlf {
             written = written.replace('\n', "\r\n");
         }
-        Rig::parse(&written, file)?;
+        Rig::parse_beside(&written, file, Beside::Unread)?;
         Ok(written)
     }
 
     /// Whether `rig` has what the entry belongs to.
     fn admit(&self, rig: &Rig) -> Result<(), RigError> {
         match self {
-            Self::Tracker { device, .. } => rig.sensor(&format!("{device}/1")).map(drop),
+            Self::Tracker { device, .. } | Self::Field { device, .. } => {
+                rig.sensor(&format!("{device}/1")).map(drop)
+            }
             Self::Stylus { sensor, .. } => rig.sensor(&sensor.to_string()).map(drop),
             Self::Eyes { .. } if rig.head.is_none() => Err(RigError::NoHead {
                 rig: rig.name.clone(),
@@ -93,11 +106,8 @@ impl Calibrated {
                 device,
                 table_from_tracker,
             } => {
-                let devices = root.get_mut("devices").and_then(Item::as_table_like_mut);
-                let device = devices
-                    .and_then(|devices| devices.get_mut(device))
-                    .and_then(Item::as_table_like_mut);
-                if let Some(device) = device {
+                if let Some(device) = device_in(root, device) {
+                    device.remove("correction");
                     let entry = device.entry("table_from_tracker").or_insert(Item::None);
                     if let Some(table) = entry.as_table_mut() {
                         // Other ways to write the rotation.
@@ -116,6 +126,12 @@ impl Calibrated {
                             calibrated,
                         ],
                     );
+                }
+            }
+            Self::Field { device, file } => {
+                if let Some(device) = device_in(root, device) {
+                    let entry = device.entry("correction").or_insert(Item::None);
+                    put(entry, file.as_str().into());
                 }
             }
             Self::Stylus { sensor, tip } => {
@@ -172,6 +188,14 @@ impl Calibrated {
 const STYLUS: &str =
     "\n# Marks are touched with its tip, here in its sensor's own axes and metres.\n";
 
+/// The table of a device.
+fn device_in<'a>(root: &'a mut Table, device: &str) -> Option<&'a mut dyn TableLike> {
+    root.get_mut("devices")?
+        .as_table_like_mut()?
+        .get_mut(device)?
+        .as_table_like_mut()
+}
+
 /// Gives an entry these values. One on a line of its own keeps the comment behind it; a table with
 /// a header keeps its other keys and every comment.
 fn set<const N: usize>(entry: &mut Item, values: [(&str, Value); N]) {
@@ -210,7 +234,7 @@ fn numbers<const N: usize>(numbers: [f64; N], decimals: i32) -> Value {
     Array::from_iter(numbers.map(|number| rounded(number, decimals))).into()
 }
 
-fn rounded(number: f64, decimals: i32) -> f64 {
+pub(crate) fn rounded(number: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     // Adding 0 makes a plain 0 of a negative one.
     (number * scale).round() / scale + 0.0

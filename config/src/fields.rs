@@ -4,18 +4,21 @@
 //! over at the end is unknown. Nothing here knows what a rig is.
 
 use crate::RigError;
+use crate::beside::Beside;
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use time::{Date, Month};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml::value::Datetime;
 
-/// A file's text, by which places become lines.
+/// A file's text, by which places become lines, and where the files are that it names.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub(crate) file: &'a str,
     pub(crate) text: &'a str,
+    pub(crate) beside: Beside<'a>,
 }
 
 impl Source<'_> {
@@ -284,14 +287,13 @@ impl<'a> Value<'a> {
         let DeValue::Datetime(written) = self.value.get_ref() else {
             return Err(self.wrong_type(wanted));
         };
-        written
-            .date
-            .filter(|_| written.time.is_none())
-            .and_then(|date| {
-                let month = Month::try_from(date.month).ok()?;
-                Date::from_calendar_date(i32::from(date.year), month, date.day).ok()
-            })
+        day_of(written)
             .ok_or_else(|| self.error(&format!("is {}", self.shown()), &format!("write {wanted}")))
+    }
+
+    /// Where the files are that the text names.
+    pub(crate) fn beside(&self) -> Beside<'a> {
+        self.source.beside
     }
 
     /// A string; `wanted` says of what.
@@ -377,6 +379,13 @@ impl<'a> Value<'a> {
         let span = self.value.span();
         self.source.text.get(span).unwrap_or("unreadable")
     }
+}
+
+/// The day that is written without a time, if it is in the calendar.
+pub(crate) fn day_of(written: &Datetime) -> Option<Date> {
+    let date = written.date.filter(|_| written.time.is_none())?;
+    let month = Month::try_from(date.month).ok()?;
+    Date::from_calendar_date(i32::from(date.year), month, date.day).ok()
 }
 
 /// `a, b or c`.

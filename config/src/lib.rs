@@ -7,7 +7,8 @@
 //! Lengths are metres and rotations unit quaternions once read; degrees, inches and axis names end
 //! here. Every number is checked against its range, an unknown key is an error, and each error
 //! names the file, the line, the key and what would be right. A rig file holds values only: no
-//! commands and no other files; the addresses in it are those of serial ports and trackers.
+//! commands, and of other files only the corrections of bent fields beside it; the addresses in it
+//! are those of serial ports and trackers.
 //!
 //! ```
 //! use sandtable_config::{Rig, Viewing};
@@ -23,11 +24,13 @@
 //! );
 //! ```
 
+mod beside;
 mod body;
 mod calibrated;
 mod controls;
 mod device;
 mod error;
+mod field_correction;
 mod fields;
 mod intents;
 mod marks;
@@ -47,6 +50,7 @@ pub use device::{
     RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
 };
 pub use error::RigError;
+pub use field_correction::FieldCorrection;
 pub use intents::{
     GamepadPart, Gesture, Intent, IntentKind, Intents, MouseButton, Part, Source, Touch,
 };

@@ -1,6 +1,7 @@
 //! Marks: places at the table that were measured with a ruler, to be touched or sighted over.
 
 use crate::RigError;
+use crate::beside::Beside;
 use crate::fields::{Fields, Source};
 use crate::rigid::REACH;
 use crate::text_file::read_text;
@@ -31,7 +32,11 @@ pub fn load_marks(path: &Path) -> Result<Vec<Mark>, RigError> {
 }
 
 fn parse_marks(text: &str, file: &str) -> Result<Vec<Mark>, RigError> {
-    let source = Source { file, text };
+    let source = Source {
+        file,
+        text,
+        beside: Beside::Unread,
+    };
     let table = DeTable::parse(text).map_err(|error| source.syntax(&error))?;
     let root = Fields::root(source, table.get_ref());
     let remedy = "write [marks], and below it a mark a line, as \"front left\" = [x, y, z]";

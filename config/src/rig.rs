@@ -1,5 +1,6 @@
 //! The rig file as a whole.
 
+use crate::beside::Beside;
 use crate::body::{read_hand, read_head};
 use crate::controls::{read_flight, read_gamepad};
 use crate::device::{port_remedy, read_device};
@@ -48,25 +49,51 @@ const BUILTINS: [(&str, &str); 2] = [
 ];
 
 impl Rig {
-    /// Reads a rig file.
+    /// Reads a rig file, and the files beside it that it names.
     ///
     /// # Errors
     /// Where the file cannot be read, is not TOML, or holds anything that is unknown, missing or
-    /// out of its range.
+    /// out of its range; the same of a file that it names.
     pub fn load(path: &Path) -> Result<Self, RigError> {
         let text = read_text(path, |source| RigError::Unreadable {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(&text, &path.display().to_string())
+        // Files lie beside the rig itself, not beside a link to it.
+        let own = path.canonicalize();
+        let own = own.as_deref().unwrap_or(path);
+        let folder = own.parent().unwrap_or(Path::new(""));
+        Self::parse_beside(&text, &path.display().to_string(), Beside::Folder(folder))
     }
 
-    /// Reads a rig from its text; errors call it `file`.
+    /// Reads a rig from its text alone; errors call it `file`. No file is read: one that names
+    /// another needs [`Rig::parse_with`].
     ///
     /// # Errors
     /// As [`Rig::load`].
     pub fn parse(text: &str, file: &str) -> Result<Self, RigError> {
-        let source = Source { file, text };
+        Self::parse_with(text, file, &BTreeMap::new())
+    }
+
+    /// Reads a rig from its text and those of the files that it names, as [`Rig::files`] gives
+    /// them; errors call it `file`.
+    ///
+    /// # Errors
+    /// As [`Rig::load`].
+    pub fn parse_with(
+        text: &str,
+        file: &str,
+        files: &BTreeMap<String, String>,
+    ) -> Result<Self, RigError> {
+        Self::parse_beside(text, file, Beside::Texts(files))
+    }
+
+    pub(crate) fn parse_beside(
+        text: &str,
+        file: &str,
+        beside: Beside<'_>,
+    ) -> Result<Self, RigError> {
+        let source = Source { file, text, beside };
         let table = DeTable::parse(text).map_err(|error| source.syntax(&error))?;
         let root = Fields::root(source, table.get_ref());
         let name = root.need("name", "write what people call this rig")?;
@@ -142,6 +169,16 @@ impl Rig {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The texts of the files that it names and whose contents are in force, by the names that it
+    /// has for them, as recordings keep them beside [`Rig::text`].
+    #[must_use]
+    pub fn files(&self) -> BTreeMap<String, String> {
+        let corrections = self.devices.values().filter_map(Device::correction);
+        corrections
+            .map(|correction| (correction.file().to_owned(), correction.text().to_owned()))
+            .collect()
     }
 
     /// The sensor that a command line names, as `flock/2`.

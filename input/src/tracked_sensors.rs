@@ -51,6 +51,7 @@ impl<R: Clone + PartialEq> TrackedSensors<R> {
             counts.implausible += 1;
             return None;
         };
+        // Judged as it was told: a correction must not decide which records are believed.
         let Some(time) = track.admit(&self.limits, arrival, &told) else {
             counts.refused += 1;
             return None;

@@ -5,10 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Each crate and the crates of ours that it may use. `sandtable` and `sandtable-tests` may use
 /// all; only they are used by nobody.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("sandtable-pose", &[]),
-    ("sandtable-calibration", &["sandtable-pose"]),
-    ("sandtable-config", &["sandtable-motion", "sandtable-pose"]),
+    ("sandtable-field", &[]),
+    (
+        "sandtable-calibration",
+        &["sandtable-field", "sandtable-pose"],
+    ),
+    (
+        "sandtable-config",
+        &["sandtable-field", "sandtable-motion", "sandtable-pose"],
+    ),
     (
         "sandtable-input",
         &["sandtable-config", "sandtable-motion", "sandtable-pose"],
@@ -29,6 +36,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
             "sandtable-calibration",
             "sandtable-cast",
             "sandtable-config",
+            "sandtable-field",
             "sandtable-input",
             "sandtable-pose",
             "sandtable-stage",

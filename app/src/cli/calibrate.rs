@@ -8,6 +8,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples, in this order for a new table:\n  \
     sandtable calibrate stylus --rig lab.toml --sensor flock/2\n  \
     sandtable calibrate tracker --rig lab.toml --marks marks.toml\n  \
+    sandtable calibrate field --rig lab.toml --marks many.toml\n  \
     sandtable calibrate check --rig lab.toml --marks marks.toml\n  \
     sandtable calibrate eyes --rig lab.toml --marks marks.toml --pair post=corner")]
 pub(crate) struct CalibrateArgs {
@@ -21,6 +22,8 @@ pub(crate) struct CalibrateArgs {
 pub(crate) enum CalibrationStep {
     /// How a tracker stands at the table, by touching marks of known place.
     Tracker(CalibrateTrackerArgs),
+    /// How a tracker's field is bent by metal, by touching many marks; after tracker.
+    Field(CalibrateFieldArgs),
     /// Where the stylus has its tip, by pivoting it on one spot.
     Stylus(CalibrateStylusArgs),
     /// Where the eyes sit on the head, by sighting over pairs of marks.
@@ -68,6 +71,26 @@ pub(crate) struct CalibrateTrackerArgs {
     pub(crate) measuring: MeasuringArgs,
 
     /// The marks' places in table metres.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) marks: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) saving: SavingArgs,
+}
+
+/// Arguments of `calibrate field`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "First `calibrate tracker`, by marks near the tracker; then this, by 30 to 60 marks through all the \
+    space that hands and heads move in, a third of them raised. The correction goes into a file beside the rig, \
+    lab.flock-field.toml, that the rig names; calibrating the tracker again drops it.\n\n\
+    Example:\n  sandtable calibrate field --rig lab.toml --marks many.toml"
+)]
+pub(crate) struct CalibrateFieldArgs {
+    #[command(flatten)]
+    pub(crate) measuring: MeasuringArgs,
+
+    /// The marks' places in table metres, at least 8 and not in a plane.
     #[arg(long, value_name = "FILE")]
     pub(crate) marks: PathBuf,
 

@@ -2,9 +2,10 @@
 
 use super::port::read_port;
 use super::tracking::{read_ages, read_speeds};
-use crate::RigError;
+use crate::field_correction::read_correction;
 use crate::fields::Fields;
 use crate::rigid::read_measured_rigid;
+use crate::{FieldCorrection, RigError};
 use sandtable_pose::Rigid;
 use std::time::Duration;
 use time::Date;
@@ -56,6 +57,8 @@ pub struct Flock {
     pub table_from_tracker: Rigid,
     /// When that was measured, where it was.
     pub calibrated: Option<Date>,
+    /// How its field is bent, where that was measured.
+    pub correction: Option<FieldCorrection>,
 }
 
 impl Flock {
@@ -303,6 +306,7 @@ pub(super) fn read_flock(fields: &Fields<'_>) -> Result<Flock, RigError> {
         lost_after,
         max_speed,
         max_turn,
+        correction: read_correction(fields, &table_from_tracker)?,
         table_from_tracker,
         calibrated,
     })

@@ -27,8 +27,8 @@ pub(crate) use port::port_remedy;
 pub use tracking::Tracking;
 pub use vrpn::{VRPN_PORT, Vrpn, VrpnAddress, VrpnPart};
 
-use crate::RigError;
 use crate::fields::Value;
+use crate::{FieldCorrection, RigError};
 use data_glove::read_data_glove;
 use dtrack::read_dtrack;
 use flock::read_flock;
@@ -117,6 +117,27 @@ impl Device {
             Self::Vrpn(vrpn) => vrpn.tracking.calibrated,
             Self::Dtrack(dtrack) => dtrack.tracking.calibrated,
             Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
+        }
+    }
+
+    /// How its field is bent, where that was measured.
+    #[must_use]
+    pub fn correction(&self) -> Option<&FieldCorrection> {
+        match self {
+            Self::Flock(flock) => flock.correction.as_ref(),
+            Self::Vrpn(vrpn) => vrpn.tracking.correction.as_ref(),
+            Self::Dtrack(dtrack) => dtrack.tracking.correction.as_ref(),
+            Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
+        }
+    }
+
+    /// Lets its poses come as its field bends them, for whoever measures the field.
+    pub fn leave_field_bent(&mut self) {
+        match self {
+            Self::Flock(flock) => flock.correction = None,
+            Self::Vrpn(vrpn) => vrpn.tracking.correction = None,
+            Self::Dtrack(dtrack) => dtrack.tracking.correction = None,
+            Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => {}
         }
     }
 

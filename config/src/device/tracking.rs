@@ -3,9 +3,10 @@
 
 use super::AxisMap;
 use super::axis_map::read_axis_map;
-use crate::RigError;
+use crate::field_correction::read_correction;
 use crate::fields::Fields;
 use crate::rigid::read_measured_rigid;
+use crate::{FieldCorrection, RigError};
 use sandtable_pose::Rigid;
 use std::time::Duration;
 use time::Date;
@@ -31,6 +32,8 @@ pub struct Tracking {
     pub table_from_tracker: Rigid,
     /// The day on which `table_from_tracker` was measured.
     pub calibrated: Option<Date>,
+    /// How its field is bent, where that was measured.
+    pub correction: Option<FieldCorrection>,
 }
 
 impl Tracking {
@@ -40,10 +43,15 @@ impl Tracking {
         Duration::from_secs_f64(self.rate.recip())
     }
 
-    /// A pose as the tracker tells it, in metres, in the table's frame.
+    /// A pose as the tracker tells it, in metres, in the table's frame, its place corrected for a
+    /// bent field.
     #[must_use]
     pub fn table_from_sensor(&self, told: &Rigid) -> Rigid {
-        self.table_from_tracker * self.axes.apply(told)
+        let pose = self.table_from_tracker * self.axes.apply(told);
+        match &self.correction {
+            Some(correction) => correction.apply(&pose),
+            None => pose,
+        }
     }
 }
 
@@ -77,6 +85,7 @@ pub(super) fn read_tracking(fields: &Fields<'_>) -> Result<Tracking, RigError> {
             Some(value) => read_axis_map(&value)?,
             None => AxisMap::IDENTITY,
         },
+        correction: read_correction(fields, &table_from_tracker)?,
         table_from_tracker,
         calibrated,
     })

@@ -5,10 +5,12 @@
 //! and others 2001, with polynomials). Here a smoothing spline goes through the samples, its
 //! smoothness chosen by leaving each sample out in turn, and is then written onto a regular grid.
 
-use crate::correction::{node_places, smooth_step};
+use crate::decomposition::{outer, symmetric_eigen};
+use crate::outlier::Problem;
 use crate::smoothing_spline::Basis;
-use crate::{CalibrationError, Correction, Item, Items, Residuals, plausible};
+use crate::{CalibrationError, Item, Items, Outlier, Residuals, plausible};
 use glam::{DVec3, UVec3};
+use sandtable_field::{Correction, fade};
 use sandtable_pose::Rigid;
 
 /// Four samples fix the slopes; as many again can disagree with them.
@@ -16,6 +18,22 @@ const LEAST: usize = 8;
 
 /// A decomposition of this size takes seconds.
 const MOST: usize = 1000;
+
+/// How far marks must spread across the plane that they lie nearest to, relative to their widest
+/// spread, for a field to be known above and below it.
+const FLAT: f64 = 0.1;
+
+/// A correction helps where left-out samples are off by no more than this share of what they are
+/// without it: less could be chance. Fits to plain noise foretell nothing.
+const HELPS: f64 = 0.8;
+
+/// It must also take away this much, in metres, RMS: less is what trackers round to.
+const LEAST_GAIN: f64 = 5e-4;
+
+/// Real fields are bent more strongly here than there, which the test for outliers does not know:
+/// at a corner near a piece of metal samples stood out by chances down to 1e-11, and samples that
+/// slipped by 20 mm mostly by less than 1e-14.
+const UNMISTAKABLE: f64 = 1e-12;
 
 /// The distance between nodes, in metres, where the volume is small enough.
 const SPACING: f64 = 0.1;
@@ -25,9 +43,6 @@ const MOST_NODES: f64 = 33.0;
 
 /// Up to this distance from a sample, in metres, the fit is believed in full.
 const BELIEVED: f64 = 0.5;
-
-/// Beyond that the correction falls to nothing over this distance, in metres.
-const FADE: f64 = 0.5;
 
 /// Where a sensor was measured in the field, and where it truly was.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +81,48 @@ pub struct DistortionFit {
     /// How far they are off with it; little says how well it fits other places.
     pub after: Residuals,
     /// How far each sample is off when all others alone correct it: what to expect at other places
-    /// among them. A sample that stands out here was perhaps measured wrongly.
+    /// among them.
     pub left_out: Residuals,
+    /// Samples that no smooth field explains beside the others, the worst first; `correction` is
+    /// still through them too.
+    pub outliers: Vec<Outlier>,
+}
+
+impl DistortionFit {
+    /// Whether the correction is worth using: places that it was not fitted to are off by a fifth
+    /// less with it, RMS, and by half a millimetre, at least.
+    #[must_use]
+    pub fn helps(&self) -> bool {
+        let (without, with) = (self.before.rms, self.left_out.rms);
+        self.smoothing.is_some() && with <= HELPS * without && with + LEAST_GAIN <= without
+    }
+}
+
+/// Whether a field can be known in a volume from samples at these marks (table frame, metres).
+///
+/// # Errors
+/// With fewer than 8 marks or more than 1000, with what is not finite or beyond 100 m, and where
+/// the marks spread less than a tenth as far across a plane as along it (the ratio of their least
+/// to their largest singular value).
+pub fn admit_field_marks(marks: &[DVec3]) -> Result<(), CalibrationError> {
+    let of = Items::FieldSamples;
+    plausible::count(of, marks.len(), LEAST, MOST)?;
+    for (index, mark) in marks.iter().enumerate() {
+        plausible::place(Item { of, index }, "the mark's place", *mark)?;
+    }
+    let mean = marks.iter().sum::<DVec3>() / marks.len() as f64;
+    let scatter = marks.iter().map(|mark| outer(mark - mean, mark - mean));
+    let (spread, _) =
+        symmetric_eigen(&scatter.sum()).ok_or(CalibrationError::NoConvergence { of })?;
+    // Of marks at one place nothing is left to divide by.
+    let ratio = (spread.z.max(0.0) / spread.x.max(f64::MIN_POSITIVE)).sqrt();
+    if ratio < FLAT {
+        return Err(CalibrationError::MarksInPlane {
+            percent: 100.0 * ratio,
+            limit_percent: 100.0 * FLAT,
+        });
+    }
+    Ok(())
 }
 
 /// Fits a correction to samples: a least-squares fit with a penalty on roughness (Wahba 1990),
@@ -98,15 +153,21 @@ pub fn fit_distortion(samples: &[FieldSample]) -> Result<DistortionFit, Calibrat
     let before = Residuals::of(shifts.iter().map(|shift| shift.length()));
 
     let basis = Basis::new(&sites, &shifts).ok_or(CalibrationError::NoConvergence { of })?;
-    let (smoothing, left_out) = basis
-        .smoothings()
-        .map(|smoothing| {
-            let left_out = Residuals::of(basis.left_out(smoothing).into_iter());
-            (smoothing, left_out)
-        })
-        // Of equals the smoother one, which comes later.
-        .reduce(|best, next| if next.1.rms <= best.1.rms { next } else { best })
-        .ok_or(CalibrationError::NoConvergence { of })?;
+    let (smoothing, left_out) =
+        best_smoothing(&basis).ok_or(CalibrationError::NoConvergence { of })?;
+    let outliers = Problem {
+        of,
+        count: samples.len(),
+        equations: 3,
+        parameters: basis.parameters(),
+        false_share: UNMISTAKABLE,
+    }
+    .outliers(|kept| {
+        let of_kept = |all: &[DVec3]| kept.iter().map(|&index| all[index]).collect::<Vec<_>>();
+        let basis = Basis::new(&of_kept(&sites), &of_kept(&shifts))?;
+        let (smoothing, _) = best_smoothing(&basis)?;
+        Some(basis.deletions(smoothing))
+    });
     if left_out.rms >= before.rms {
         return Ok(DistortionFit {
             correction: Correction::identity(),
@@ -114,6 +175,7 @@ pub fn fit_distortion(samples: &[FieldSample]) -> Result<DistortionFit, Calibrat
             after: before.clone(),
             left_out: before.clone(),
             before,
+            outliers,
         });
     }
     let spline = basis
@@ -129,8 +191,21 @@ pub fn fit_distortion(samples: &[FieldSample]) -> Result<DistortionFit, Calibrat
         before,
         after: Residuals::of(after),
         left_out,
+        outliers,
         correction,
     })
+}
+
+/// The smoothing weight that foretells left-out samples best, and how far they are off then.
+fn best_smoothing(basis: &Basis) -> Option<(f64, Residuals)> {
+    basis
+        .smoothings()
+        .map(|smoothing| {
+            let left_out = Residuals::of(basis.left_out(smoothing).into_iter());
+            (smoothing, left_out)
+        })
+        // Of equals the smoother one, which comes later.
+        .reduce(|best, next| if next.1.rms <= best.1.rms { next } else { best })
 }
 
 /// The field on a grid over the sites' box, given up far from all of them.
@@ -147,15 +222,13 @@ fn sampled(sites: &[DVec3], field: impl Fn(DVec3) -> DVec3) -> Option<Correction
         DVec3::splat(SPACING),
     );
     let counts: UVec3 = cells.as_uvec3() + 1;
-    let displacements = node_places(low, spacing, counts)
-        .map(|node| {
-            let nearest = sites
-                .iter()
-                .map(|site| site.distance_squared(node))
-                .fold(f64::INFINITY, f64::min)
-                .sqrt();
-            field(node) * (1.0 - smooth_step((nearest - BELIEVED) / FADE))
-        })
-        .collect();
-    Correction::new(low, spacing, counts, displacements).ok()
+    let faded = |node: DVec3| {
+        let nearest = sites
+            .iter()
+            .map(|site| site.distance_squared(node))
+            .fold(f64::INFINITY, f64::min)
+            .sqrt();
+        field(node) * fade(nearest - BELIEVED)
+    };
+    Correction::sampled(low, spacing, counts, faded).ok()
 }

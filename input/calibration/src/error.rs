@@ -93,6 +93,16 @@ pub enum CalibrationError {
         /// The least that is accepted.
         limit_percent: f64,
     },
+    /// The marks fix no field above and below the plane that they lie in.
+    #[error(
+        "the marks lie nearly in a plane: they spread {percent:.1} % as far across it as along it, where at least {limit_percent:.0} % are needed, and above and below it nothing would be known; raise some of them, on posts or blocks, to where hands and heads move"
+    )]
+    MarksInPlane {
+        /// The spread across the plane in per cent of the widest along it.
+        percent: f64,
+        /// The least that is accepted.
+        limit_percent: f64,
+    },
     /// The marks are not in a line, but their measured positions are.
     #[error(
         "the positions measured lie nearly in the line through {first} and {second} ({percent:.2} % across it, at least {limit_percent:.0} % are needed), though the marks do not: the tracker loses an axis; see its axis map and its hemisphere, and touch the marks again"

@@ -5,7 +5,7 @@
 //! with every turn of the head, while the eye stays: it is the point nearest to all lines.
 
 use crate::decomposition::{outer, symmetric_eigen, trace};
-use crate::outlier::{Deleted, Deletions, Problem};
+use crate::outlier::{Deleted, Deletions, FALSE_SHARE, Problem};
 use crate::{CalibrationError, Item, Items, Outlier, Residuals, plausible};
 use glam::{DMat3, DVec3};
 use sandtable_pose::Rigid;
@@ -180,6 +180,7 @@ pub fn locate_eye(side: Side, sightings: &[Sighting]) -> Result<Eye, Calibration
         count: lines.len(),
         equations: 2,
         parameters: 3,
+        false_share: FALSE_SHARE,
     }
     .outliers(|kept| Some(Fit::through(&lines, kept).delete_each(&lines, kept)));
     let residuals = Residuals::of(lines.iter().map(|line| line.offset(fit.eye).length()));

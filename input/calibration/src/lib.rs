@@ -4,7 +4,7 @@
 //! touched marks  --register-------> table_from_tracker, residuals, findings
 //! pivoting poses --pivot----------> the stylus's tip (sensor axes)
 //! sightings      --locate_eyes----> middle, rightwards, interpupillary (head sensor's axes)
-//! field samples  --fit_distortion-> Correction: measured place -> true place (table), per sample
+//! field samples  --fit_distortion-> sandtable_field::Correction: measured place -> true place (table)
 //! ```
 //!
 //! Right-handed, metres, radians, f64; a transform is named `target_from_source`. The *tracker*
@@ -48,7 +48,6 @@
 //! and Weisberg (1982); corrections of magnetic fields after Ghazisaedy and others (1995) and Ikits
 //! and others (2001), by smoothing splines (Duchon 1977, Wahba 1990).
 
-mod correction;
 mod decomposition;
 mod distortion;
 mod error;
@@ -61,8 +60,7 @@ mod registration;
 mod residuals;
 mod smoothing_spline;
 
-pub use correction::{Correction, CorrectionError};
-pub use distortion::{DistortionFit, FieldSample, fit_distortion};
+pub use distortion::{DistortionFit, FieldSample, admit_field_marks, fit_distortion};
 pub use error::CalibrationError;
 pub use eyes::{Eye, Eyes, LocatedEyes, Side, Sighting, locate_eye, locate_eyes};
 pub use item::{Item, Items};

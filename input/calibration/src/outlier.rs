@@ -5,14 +5,14 @@
 //! equations and ν degrees of freedom remain without it: the test for a shift in the mean (Cook
 //! and Weisberg 1982), exact for linear models and nearly so for rotations by small
 //! angles. The item with the least Sᵢ/S is named where so small a ratio would come up by chance,
-//! in any of the items, in less than one set of [`FALSE_SHARE`]; then the search goes on without
-//! it. At most a quarter of the items is named, so that the majority judges.
+//! in any of the items, in less than one set of a hundred ([`FALSE_SHARE`]; for fields in far
+//! fewer); then the search goes on without it. At most a quarter of the items is named, so that the majority judges.
 
 use crate::{Item, Items};
 use glam::{DMat3, DVec3};
 use std::fmt;
 
-/// The share of sets with plain noise in which an item is named nevertheless.
+/// The usual share of sets with plain noise in which an item is named nevertheless.
 pub(crate) const FALSE_SHARE: f64 = 0.01;
 
 /// Below this deviation, in metres, the numbers only round: nothing is named.
@@ -47,7 +47,10 @@ impl fmt::Display for Outlier {
             Items::LeftSightings | Items::RightSightings => {
                 "sight those marks again, and check their written places"
             }
-            Items::FieldSamples => "measure that place again",
+            Items::FieldSamples => {
+                "touch that mark again; where it comes out the same, the field is bent more strongly \
+                 there, and more marks around it are needed"
+            }
         })
     }
 }
@@ -94,6 +97,8 @@ pub(crate) struct Problem {
     pub(crate) equations: usize,
     /// Unknowns of the fit.
     pub(crate) parameters: usize,
+    /// The share of sets with plain noise in which an item may be named nevertheless.
+    pub(crate) false_share: f64,
 }
 
 impl Problem {
@@ -134,7 +139,7 @@ impl Problem {
         }
         let ratio = (deleted.sum / deletions.sum).clamp(0.0, 1.0);
         let chance = kept.len() as f64 * beta_share(ratio, freedom, self.equations);
-        (chance < FALSE_SHARE).then_some((
+        (chance < self.false_share).then_some((
             position,
             Outlier {
                 item: Item {

@@ -5,7 +5,7 @@
 //! equations Σ R̃ᵢᵀ R̃ᵢ p = -Σ R̃ᵢᵀ t̃ᵢ with R̃ᵢ and t̃ᵢ the differences from the means.
 
 use crate::decomposition::{symmetric_eigen, trace};
-use crate::outlier::{Deleted, Deletions, Problem};
+use crate::outlier::{Deleted, Deletions, FALSE_SHARE, Problem};
 use crate::{CalibrationError, Item, Items, Outlier, Residuals, plausible};
 use glam::{DMat3, DVec3};
 use sandtable_pose::Rigid;
@@ -85,6 +85,7 @@ pub fn pivot(frame_from_sensor: &[Rigid]) -> Result<Pivot, CalibrationError> {
         count: poses.len(),
         equations: 3,
         parameters: 6,
+        false_share: FALSE_SHARE,
     }
     .outliers(|kept| Some(Fit::through(&poses, kept).delete_each(&poses, kept)));
     let residuals = Residuals::of(poses.iter().map(|pose| fit.residual(pose).length()));

@@ -5,7 +5,7 @@
 //! which is what makes it a rotation where the points lie in a plane or are noisy.
 
 use crate::decomposition::{Svd, outer, svd, symmetric_eigen};
-use crate::outlier::{Deleted, Deletions, Problem};
+use crate::outlier::{Deleted, Deletions, FALSE_SHARE, Problem};
 use crate::{CalibrationError, Item, Items, Outlier, Residuals, plausible};
 use glam::{DMat3, DQuat, DVec3};
 use sandtable_pose::Rigid;
@@ -144,6 +144,7 @@ pub fn register(touches: &[Touch]) -> Result<Registration, CalibrationError> {
         equations: 3,
         // Rotation, shift and scale: a wrong range must not make the outermost point an outlier.
         parameters: 7,
+        false_share: FALSE_SHARE,
     }
     .outliers(|kept| delete_each(touches, &moments, kept));
     let kept = moments.without(outliers.iter().map(|o| &touches[o.item.index]));

@@ -8,6 +8,7 @@
 //! divided by 1 less the leverage (Wahba 1990).
 
 use crate::decomposition::{outer, symmetric_eigen};
+use crate::outlier::{Deleted, Deletions};
 use glam::DVec3;
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -16,6 +17,9 @@ const FLAT: f64 = 1e-3;
 
 /// Samples within this distance of their mean, in metres, are at one place.
 const ONE_PLACE: f64 = 1e-6;
+
+/// Where 1 less a sample's leverage is this small, the others cannot judge it.
+const LEAST_FREEDOM: f64 = 1e-6;
 
 /// Smoothing weights tried, relative to the largest eigenvalue: half a decade from one to the next.
 const LEAST_EXPONENT: i32 = -18;
@@ -109,14 +113,7 @@ impl Basis {
     pub(crate) fn left_out(&self, smoothing: f64) -> Vec<f64> {
         (0..self.sites.len())
             .map(|i| {
-                let (mut residual, mut freedom) = (DVec3::ZERO, 0.0);
-                for (k, eigenvalue) in self.eigenvalues.iter().enumerate() {
-                    let kept = smoothing / (eigenvalue + smoothing) * self.vectors[(i, k)];
-                    freedom += kept * self.vectors[(i, k)];
-                    for c in 0..3 {
-                        residual[c] += kept * self.projected[(k, c)];
-                    }
-                }
+                let (residual, freedom) = self.residual(i, smoothing);
                 if freedom > f64::EPSILON {
                     residual.length() / freedom
                 } else {
@@ -124,6 +121,49 @@ impl Basis {
                 }
             })
             .collect()
+    }
+
+    /// What a sample misses the field by, and 1 less its leverage.
+    fn residual(&self, sample: usize, smoothing: f64) -> (DVec3, f64) {
+        let (mut residual, mut freedom) = (DVec3::ZERO, 0.0);
+        for (k, eigenvalue) in self.eigenvalues.iter().enumerate() {
+            let kept = smoothing / (eigenvalue + smoothing) * self.vectors[(sample, k)];
+            freedom += kept * self.vectors[(sample, k)];
+            for c in 0..3 {
+                residual[c] += kept * self.projected[(k, c)];
+            }
+        }
+        (residual, freedom)
+    }
+
+    /// What is minimised, with all samples and without each.
+    ///
+    /// Read as the posterior mean of a Gaussian process the field has 12 unknowns or fewer, its
+    /// affine part, and what is minimised is the sum of squares of the rest's independent noise and
+    /// prior, each over its variance (Wahba 1990): the sum that the test for outliers asks for.
+    pub(crate) fn deletions(&self, smoothing: f64) -> Deletions {
+        let sum = (0..self.eigenvalues.len())
+            .map(|k| {
+                let squares = (0..3).map(|c| self.projected[(k, c)].powi(2)).sum::<f64>();
+                smoothing / (self.eigenvalues[k] + smoothing) * squares
+            })
+            .sum::<f64>();
+        let each = (0..self.sites.len()).map(|i| {
+            let (residual, freedom) = self.residual(i, smoothing);
+            (freedom > LEAST_FREEDOM).then(|| Deleted {
+                sum: (sum - residual.length_squared() / freedom).max(0.0),
+                deviation: residual.length() / freedom,
+            })
+        });
+        Deletions {
+            each: each.collect(),
+            sum,
+        }
+    }
+
+    /// The unknowns that no prior knows anything of: the affine part's.
+    pub(crate) fn parameters(&self) -> usize {
+        3 * self.affine.ncols()
     }
 
     /// The field with this smoothing weight; none where rounding leaves no slopes to solve for.

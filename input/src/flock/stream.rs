@@ -8,7 +8,7 @@ use super::record::{Layout, PHASE, Record, Words, buttons_pressed};
 use crate::gate::GateLimits;
 use crate::track::Track;
 use crate::{ButtonsSample, PoseSample, Sample, Stream, StreamCounts};
-use sandtable_config::{Confirm, Flock};
+use sandtable_config::{Confirm, FieldCorrection, Flock};
 use sandtable_pose::{Nanos, Rigid};
 use std::time::Duration;
 
@@ -27,6 +27,7 @@ pub struct FlockStream {
     scale: Scale,
     limits: GateLimits,
     table_from_tracker: Rigid,
+    correction: Option<FieldCorrection>,
     byte_time: Duration,
     birds: Vec<Bird>,
     counts: StreamCounts,
@@ -56,6 +57,7 @@ impl FlockStream {
                 memory: flock.lost_after,
             },
             table_from_tracker: flock.table_from_tracker,
+            correction: flock.correction.clone(),
             byte_time: byte_time(flock.baud),
             birds: vec![Bird::default(); layout.birds()],
             decoder: Decoder::new(layout),
@@ -99,14 +101,19 @@ impl FlockStream {
             self.counts.implausible += 1;
             return None;
         };
+        // Judged as the line says it: a correction must not decide which records are believed.
         let Some(time) = bird.track.admit(&self.limits, began, &pose) else {
             self.counts.refused += 1;
             return None;
         };
+        let bent = self.table_from_tracker * pose;
         Some(PoseSample {
             sensor: number,
             time,
-            table_from_sensor: self.table_from_tracker * pose,
+            table_from_sensor: match &self.correction {
+                Some(correction) => correction.apply(&bent),
+                None => bent,
+            },
             frozen: bird.track.equal() >= FROZEN_AFTER,
         })
     }

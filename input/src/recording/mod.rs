@@ -4,7 +4,7 @@
 //!
 //! | topic | what | encoding |
 //! |---|---|---|
-//! | `/session/rig` | the rig: `{ "name", "text" }`, first of all | JSON |
+//! | `/session/rig` | the rig: `{ "name", "text" }`, and `"files"` that it names; first of all | JSON |
 //! | `/session/placement` | how the world lies on the table, as the caller gives it | JSON |
 //! | `/session/gaps` | messages dropped since the last one: `{ "dropped" }` | JSON |
 //! | `/devices/NAME/bytes` | the bytes of each read, as they came; none where only time passed | raw |
@@ -26,6 +26,7 @@ pub use recorder::{Recorder, RecordingSummary};
 pub use replay::Replay;
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The topic that placements are recorded under.
 pub const PLACEMENT_TOPIC: &str = "/session/placement";
@@ -50,6 +51,10 @@ pub enum DeviceEvent {
 struct RigMessage {
     name: String,
     text: String,
+    /// The texts of the files that the rig names, by their names there: corrections of bent
+    /// fields. Recordings from before there were any have none.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    files: BTreeMap<String, String>,
 }
 
 /// What a full queue or disk swallowed.
@@ -68,4 +73,17 @@ fn events_topic(device: &str) -> String {
 
 fn pose_topic(device: &str, sensor: u32) -> String {
     format!("/poses/{device}/{sensor}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rigs_that_name_no_file_are_written_and_read_as_before_there_were_any() {
+        let old = r#"{"name":"lab","text":"name = 'lab'"}"#;
+        let message: RigMessage = serde_json::from_str(old).unwrap();
+        assert_eq!(message.files, BTreeMap::new());
+        assert_eq!(serde_json::to_string(&message).unwrap(), old);
+    }
 }

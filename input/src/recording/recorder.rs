@@ -70,7 +70,8 @@ enum Entry {
 const QUEUE: usize = 1 << 16;
 
 impl Recorder {
-    /// Begins a recording in a new file, with the rig and the placement in it.
+    /// Begins a recording in a new file, with the rig, the files that it names, and the
+    /// placement in it.
     ///
     /// # Errors
     /// [`RecordError::Exists`] where the file is there already; the others where it cannot be made.
@@ -84,6 +85,7 @@ impl Recorder {
         let message = RigMessage {
             name: rig.name.clone(),
             text: rig.text().to_owned(),
+            files: rig.files(),
         };
         file.write(RIG_TOPIC, Encoding::Json, start, &json(&message))?;
         if let Some(placement) = placement {

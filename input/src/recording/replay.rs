@@ -3,7 +3,7 @@
 use super::reader::{RecordedMessage, ReplayError, read_messages};
 use super::{DeviceEvent, GAPS_TOPIC, GapMessage, PLACEMENT_TOPIC, RIG_TOPIC, RigMessage};
 use crate::{Hub, Sample, Stream, stream_of};
-use sandtable_config::Rig;
+use sandtable_config::{Device, Rig};
 use sandtable_pose::Nanos;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -95,9 +95,11 @@ impl Replay {
             });
         };
         let file = format!("the rig in {}", path.display());
-        let rig = Rig::parse(&found.text, &file).map_err(|source| ReplayError::BadRig {
-            path: path.to_owned(),
-            source: Box::new(source),
+        let rig = Rig::parse_with(&found.text, &file, &found.files).map_err(|source| {
+            ReplayError::BadRig {
+                path: path.to_owned(),
+                source: Box::new(source),
+            }
         })?;
         // Devices queue their entries one by one, so those of two may be a moment out of order.
         entries.sort_by_key(|entry| entry.arrival);
@@ -184,9 +186,12 @@ impl Replay {
     /// played; none where it has no such device.
     #[must_use]
     pub fn samples(&self, device: &str) -> Vec<Sample> {
-        let Some(known) = self.rig.devices.get(device) else {
-            return Vec::new();
-        };
+        let known = self.rig.devices.get(device);
+        known.map_or_else(Vec::new, |known| self.samples_as(device, known))
+    }
+
+    /// The same where the device is `known`, not as the rig has it.
+    pub(crate) fn samples_as(&self, device: &str, known: &Device) -> Vec<Sample> {
         let mut stream = stream_of(known);
         let mut samples = Vec::new();
         for entry in self.entries.iter().filter(|entry| entry.device == device) {

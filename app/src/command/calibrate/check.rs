@@ -25,10 +25,10 @@ pub(crate) fn run(args: &CalibrateCheckArgs) -> Result<()> {
     let count = marks.len().min(MARKS);
     let (mut touched, mut far) = (0, 0);
     for (number, mark) in (1..).zip(&marks[..count]) {
-        let Some(place) = touch(&station, tip, mark, &format!("{number} of {count}"))? else {
+        let Some(still) = touch(&station, tip, mark, &format!("{number} of {count}"))? else {
             continue;
         };
-        let off = 1e3 * (place - mark.place);
+        let off = 1e3 * (still.point - mark.place);
         let is_far = off.length() > args.within;
         touched += 1;
         far += u32::from(is_far);
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &CalibrateCheckArgs) -> Result<()> {
     if far > 0 {
         bail!(
             "{far} of {touched} marks are more than {} mm off; see that nothing was moved, then \
-             `sandtable calibrate tracker`",
+             `sandtable calibrate tracker`, and `field` after it where metal is near",
             args.within
         );
     }

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &CalibrateEyesArgs) -> Result<()> {
         .map(|pair| pair_of(&marks, pair))
         .collect::<Result<Vec<_>>>()?;
     let sensor = head_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let destination = Destination::choose(&args.measuring.rig, &args.saving)?;
+    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig)?;
     let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
     let sight = |eye: &str, closed: &str| {
         (0..args.sightings)

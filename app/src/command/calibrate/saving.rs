@@ -1,4 +1,5 @@
-//! Where a calibration goes: into the rig's own file, the old one kept, or into a new one.
+//! Where a calibration goes: into the rig's own file, the old one kept, or into a new one; what is
+//! too much for a rig goes into a file beside it.
 
 use crate::cli::SavingArgs;
 use crate::exit::usage;
@@ -6,7 +7,10 @@ use crate::notice::notice;
 use crate::partial::Partial;
 use crate::{files, rig};
 use anyhow::{Context, Result, bail};
-use sandtable_config::{Calibrated, Rig};
+use sandtable_config::{Calibrated, FieldCorrection, Rig};
+use sandtable_field::Correction;
+use sandtable_pose::Rigid;
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -34,8 +38,8 @@ enum To {
 
 impl Destination {
     /// Decides where the result goes, and sees that it can be written there before anybody
-    /// measures anything.
-    pub(super) fn choose(name: &str, args: &SavingArgs) -> Result<Self> {
+    /// measures anything. `rig` is the one called `name`.
+    pub(super) fn choose(name: &str, args: &SavingArgs, rig: &Rig) -> Result<Self> {
         let from = if rig::is_file(name) {
             From::File(PathBuf::from(name))
         } else {
@@ -49,6 +53,15 @@ impl Destination {
                         "{} exists and is never overwritten; calibrate it with --rig {0}, or name another file with -o",
                         path.display()
                     );
+                }
+                for (file, text) in rig.files() {
+                    let there = beside(path, &file);
+                    if std::fs::read(&there).is_ok_and(|found| found != text.as_bytes()) {
+                        bail!(
+                            "{} exists and is another than the one of {name}; name a file in another folder with -o",
+                            there.display()
+                        );
+                    }
                 }
                 To::New(path.clone())
             }
@@ -88,51 +101,178 @@ impl Destination {
         }
     }
 
+    /// The name of the file for a correction of `device`'s field, beside the rig; sees that it can be
+    /// written.
+    pub(super) fn field_file(&self, device: &str) -> Result<String> {
+        let rig = match (&self.to, &self.from) {
+            (To::Same(path) | To::New(path), _) | (To::DryRun, From::File(path)) => path,
+            (To::DryRun, From::Builtin(name)) => Path::new(name),
+        };
+        let stem = rig.file_stem().unwrap_or_default().to_string_lossy();
+        // As a rig may name it.
+        let stem = stem.replace(|c: char| c.is_control() || c == '\\' || c == ':', "-");
+        let file = format!("{stem}.{device}-field.toml");
+        match &self.to {
+            To::DryRun => {}
+            To::New(rig) => {
+                let path = beside(rig, &file);
+                if path.symlink_metadata().is_ok() {
+                    bail!(
+                        "{} exists and is never overwritten; name another rig with -o",
+                        path.display()
+                    );
+                }
+            }
+            To::Same(rig) => {
+                let path = beside(rig, &file);
+                match path.metadata() {
+                    Ok(found) if !found.is_file() || found.permissions().readonly() => bail!(
+                        "{} is no file that can be replaced; make it writable, or move it away",
+                        path.display()
+                    ),
+                    _ => {}
+                }
+            }
+        }
+        Ok(file)
+    }
+
+    /// Writes `correction` into `file` and its name into the rig, for the tracker `device`, which
+    /// stood at `table_from_tracker`. Whatever goes wrong, the files that were there stay, and what
+    /// was measured is printed.
+    pub(super) fn save_field(
+        &self,
+        device: &str,
+        file: &str,
+        correction: &Correction,
+        table_from_tracker: &Rigid,
+    ) -> Result<()> {
+        let today = OffsetDateTime::now_utc().date();
+        let text = FieldCorrection::compose(device, correction, table_from_tracker, today);
+        let entry = Calibrated::Field {
+            device: device.to_owned(),
+            file: file.to_owned(),
+        };
+        let measured = BTreeMap::from([(file.to_owned(), text)]);
+        let saved = self.save_with(&entry, &measured, today);
+        if saved.is_err() {
+            // Touching all marks again would take far longer than to copy this.
+            notice(format_args!("this is what was measured, for {file}:"));
+            measured.values().for_each(notice);
+        }
+        saved
+    }
+
     /// Writes the rig with `entry` in it. Whatever goes wrong, the file that was there stays, and
     /// the measured lines are printed.
     pub(super) fn save(&self, entry: &Calibrated) -> Result<()> {
-        // As it is now: somebody may have changed it meanwhile.
-        let (file, old) = match &self.from {
-            From::Builtin(name) => (
-                format!("the built-in rig `{name}`"),
-                Rig::builtin_text(name)?.to_owned(),
-            ),
-            From::File(path) => (
-                path.display().to_string(),
-                Rig::load(path)?.text().to_owned(),
-            ),
-        };
         let today = OffsetDateTime::now_utc().date();
-        let new = entry.write_into(&old, &file, today)?;
+        self.save_with(entry, &BTreeMap::new(), today)
+    }
+
+    /// The same, and before it the files that were measured, by the names that the rig will have
+    /// for them.
+    fn save_with(
+        &self,
+        entry: &Calibrated,
+        measured: &BTreeMap<String, String>,
+        today: Date,
+    ) -> Result<()> {
+        // As it is now: somebody may have changed it meanwhile.
+        let (called, rig) = match &self.from {
+            From::Builtin(name) => (format!("the built-in rig `{name}`"), Rig::builtin(name)?),
+            From::File(path) => (path.display().to_string(), Rig::load(path)?),
+        };
+        let old = rig.text();
+        let new = entry.write_into(old, &called, today)?;
+        let mut files = rig.files();
+        files.extend(measured.clone());
+        // It reads as it was measured, and names no file that it does not need.
+        let files = Rig::parse_with(&new, &called, &files)?.files();
         let written = match &self.to {
             To::DryRun => {
                 let mut out = std::io::stdout().lock();
-                for line in changes(&old, &new) {
+                for line in changes(old, &new) {
                     writeln!(out, "{line}")?;
+                }
+                for (name, text) in measured {
+                    writeln!(out, "+ {name}, a file of {} lines", text.lines().count())?;
                 }
                 return Ok(());
             }
-            To::New(path) => write(path, &new, None).map(|()| {
-                notice(format_args!("{} is written", path.display()));
-            }),
-            To::Same(path) => keep(path, &old, today).and_then(|kept| {
-                write(path, &new, Some(path))?;
-                notice(format_args!(
-                    "{} is written; the old one is kept as {}",
-                    path.display(),
-                    kept.display()
-                ));
-                Ok(())
-            }),
+            To::New(path) => write_new(path, &new, &files),
+            To::Same(path) => replace(path, old, &new, measured, today),
         };
         if written.is_err() {
             notice("not written; these are the measured lines:");
-            for line in changes(&old, &new) {
+            for line in changes(old, &new) {
                 notice(line);
             }
         }
         written
     }
+}
+
+/// Writes a new rig, behind the files that it names.
+fn write_new(path: &Path, rig: &str, files: &BTreeMap<String, String>) -> Result<()> {
+    for (name, text) in files {
+        let file = beside(path, name);
+        match std::fs::read(&file) {
+            // The old rig's own, of which the new one is a neighbour.
+            Ok(found) if found == text.as_bytes() => continue,
+            Ok(_) => bail!("{} exists and is never overwritten", file.display()),
+            Err(_) => files::make_folder(&file)?,
+        }
+        write(&file, text, None)?;
+        notice(format_args!("{} is written", file.display()));
+    }
+    write(path, rig, None)?;
+    notice(format_args!("{} is written", path.display()));
+    Ok(())
+}
+
+/// Writes the rig and, before it, the files that were measured, each in place of its old one, which
+/// is kept: a rig names only what is there.
+fn replace(
+    path: &Path,
+    old: &str,
+    new: &str,
+    measured: &BTreeMap<String, String>,
+    today: Date,
+) -> Result<()> {
+    for (name, text) in measured {
+        let file = beside(path, name);
+        match std::fs::read(&file) {
+            Ok(old) => keep_and_write(&file, &old, text, today)?,
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                write(&file, text, None)?;
+                notice(format_args!("{} is written", file.display()));
+            }
+            Err(error) => {
+                return Err(error).with_context(|| format!("cannot read {}", file.display()));
+            }
+        }
+    }
+    if new == old {
+        return Ok(());
+    }
+    keep_and_write(path, old.as_bytes(), new, today)
+}
+
+fn keep_and_write(path: &Path, old: &[u8], new: &str, today: Date) -> Result<()> {
+    let kept = keep(path, old, today)?;
+    write(path, new, Some(path))?;
+    notice(format_args!(
+        "{} is written; the old one is kept as {}",
+        path.display(),
+        kept.display()
+    ));
+    Ok(())
+}
+
+/// The file that a rig calls `name`.
+fn beside(rig: &Path, name: &str) -> PathBuf {
+    rig.parent().unwrap_or(Path::new("")).join(name)
 }
 
 /// Writes a file that takes its name only when it is whole and on the disk, with the permissions of
@@ -152,8 +292,8 @@ fn write(path: &Path, text: &str, replaced: Option<&Path>) -> Result<()> {
     .with_context(|| cannot_write(path))
 }
 
-/// Keeps the rig as it was, beside itself and under the day's name, and overwrites no older one.
-fn keep(path: &Path, old: &str, today: Date) -> Result<PathBuf> {
+/// Keeps a file as it was, beside itself and under the day's name, and overwrites no older one.
+fn keep(path: &Path, old: &[u8], today: Date) -> Result<PathBuf> {
     for number in 1..1000 {
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(format!(".bak-{today}"));
@@ -166,9 +306,7 @@ fn keep(path: &Path, old: &str, today: Date) -> Result<PathBuf> {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
             created => created.with_context(|| cannot_write(&kept))?,
         };
-        let whole = file
-            .write_all(old.as_bytes())
-            .and_then(|()| file.sync_all());
+        let whole = file.write_all(old).and_then(|()| file.sync_all());
         if whole.is_err() {
             // Half a copy would only mislead.
             let _ = std::fs::remove_file(&kept);
@@ -238,12 +376,64 @@ mod tests {
     }
 
     #[test]
+    fn a_new_rig_elsewhere_takes_the_files_along_that_it_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let text = Rig::builtin_text("workbench").unwrap();
+        let field = Calibrated::Field {
+            device: "flock".into(),
+            file: "w.flock-field.toml".into(),
+        };
+        let day = Date::from_calendar_date(2026, time::Month::November, 21).unwrap();
+        let named = field.write_into(text, "w.toml", day).unwrap();
+        std::fs::write(at("w.toml"), named).unwrap();
+        let mut straight = Rig::parse(text, "w.toml").unwrap();
+        let device = straight.devices.get_mut("flock").unwrap();
+        let place = *device.table_from_tracker_mut().unwrap();
+        let correction = FieldCorrection::compose("flock", &Correction::identity(), &place, day);
+        std::fs::write(at("w.flock-field.toml"), &correction).unwrap();
+
+        let rig = Rig::load(&at("w.toml")).unwrap();
+        let choose = |to: &str| {
+            let args = SavingArgs {
+                output: Some(at(to)),
+                dry_run: false,
+            };
+            Destination::choose(at("w.toml").to_str().unwrap(), &args, &rig)
+        };
+        let stylus = Calibrated::Stylus {
+            sensor: rig.sensor("flock/2").unwrap(),
+            tip: glam::DVec3::X * 0.1,
+        };
+        for (to, beside) in [
+            ("other/new.toml", "other/w.flock-field.toml"),
+            ("same.toml", "w.flock-field.toml"),
+        ] {
+            choose(to).unwrap().save(&stylus).unwrap();
+            assert_eq!(std::fs::read_to_string(at(beside)).unwrap(), correction);
+            let new = Rig::load(&at(to)).unwrap();
+            assert_eq!(new.devices, rig.devices);
+        }
+        // One of another rig is not taken for this one's.
+        std::fs::write(at("other/w.flock-field.toml"), "another").unwrap();
+        let refused = choose("other/newer.toml").err().unwrap().to_string();
+        assert!(refused.contains("w.flock-field.toml exists"), "{refused}");
+        // A tracker that is calibrated anew needs none.
+        let tracker = Calibrated::Tracker {
+            device: "flock".into(),
+            table_from_tracker: place,
+        };
+        choose("third/new.toml").unwrap().save(&tracker).unwrap();
+        assert!(!at("third/w.flock-field.toml").exists());
+    }
+
+    #[test]
     fn a_kept_rig_overwrites_no_older_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.toml");
         let day = Date::from_calendar_date(2026, time::Month::November, 21).unwrap();
         let kept: Vec<_> = ["one", "two"]
-            .map(|old| keep(&path, old, day).unwrap())
+            .map(|old| keep(&path, old.as_bytes(), day).unwrap())
             .into();
         assert_eq!(kept[0], folder.path().join("r.toml.bak-2026-11-21"));
         assert_eq!(kept[1], folder.path().join("r.toml.bak-2026-11-21-2"));

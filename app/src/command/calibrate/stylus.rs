@@ -4,7 +4,6 @@ use super::dialogue::{Answer, Dialogue, quit};
 use super::saving::Destination;
 use super::station::Station;
 use super::touching::touching_sensor;
-use super::tracker::measure_in_tracker_frame;
 use crate::cli::CalibrateStylusArgs;
 use crate::exit::usage;
 use crate::notice::notice;
@@ -21,11 +20,9 @@ pub(crate) fn run(args: &CalibrateStylusArgs) -> Result<()> {
     if !(args.seconds >= 1.0 && args.seconds <= LONGEST) {
         return Err(usage("--seconds must be from 1 to 60"));
     }
-    let mut rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
+    let rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
     let sensor = touching_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let destination = Destination::choose(&args.measuring.rig, &args.saving)?;
-    // The tip does not depend on where the tracker stands.
-    measure_in_tracker_frame(&mut rig);
+    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig)?;
     let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
     let found = measure(
         &station,

@@ -1,7 +1,7 @@
 //! Marks, and the tip that touches them.
 
 use super::dialogue::{Answer, quit};
-use super::station::{Station, Steadiness};
+use super::station::{Station, Steadiness, Still};
 use crate::exit::usage;
 use anyhow::Result;
 use glam::DVec3;
@@ -32,9 +32,31 @@ pub(super) fn tip(rig: &Rig, sensor: &SensorName) -> DVec3 {
     }
 }
 
-/// Has a mark touched, until the touch can be used; returns the tip's place in the frame of the
-/// poses, or none where the mark is left out.
-pub(super) fn touch(station: &Station, tip: DVec3, mark: &Mark, of: &str) -> Result<Option<DVec3>> {
+/// A mark, and the sensor while the tip was on it; its point is the tip's place in the frame of the
+/// poses.
+pub(super) struct Touched<'m> {
+    pub(super) mark: &'m Mark,
+    pub(super) still: Still,
+}
+
+/// Has every mark touched; those that are left out are missing.
+pub(super) fn touch_all<'m>(
+    station: &Station,
+    tip: DVec3,
+    marks: &'m [Mark],
+) -> Result<Vec<Touched<'m>>> {
+    let mut touched = Vec::new();
+    for (number, mark) in (1..).zip(marks) {
+        let of = format!("{number} of {}", marks.len());
+        if let Some(still) = touch(station, tip, mark, &of)? {
+            touched.push(Touched { mark, still });
+        }
+    }
+    Ok(touched)
+}
+
+/// Has a mark touched, until the touch can be used; none where the mark is left out.
+pub(super) fn touch(station: &Station, tip: DVec3, mark: &Mark, of: &str) -> Result<Option<Still>> {
     let [x, y, z] = (1e3 * mark.place).to_array();
     let prompt = format!(
         "{of}: touch \"{}\" (at {x:.0}, {y:.0}, {z:.0} mm), hold still, Enter; s leaves it out, q ends",
@@ -53,7 +75,7 @@ pub(super) fn touch(station: &Station, tip: DVec3, mark: &Mark, of: &str) -> Res
         match station.still(tip, Steadiness::TIP)? {
             Ok(still) => {
                 eprintln!("got it");
-                return Ok(Some(still.point));
+                return Ok(Some(still));
             }
             Err(problem) => eprintln!("again: {problem}"),
         }

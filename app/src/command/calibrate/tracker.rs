@@ -1,9 +1,10 @@
 //! `sandtable calibrate tracker`: how a tracker stands at the table, by touched marks.
 
-use super::dialogue::{Answer, Dialogue, quit};
+use super::agreement::{Offer, agree};
+use super::dialogue::Dialogue;
 use super::saving::Destination;
 use super::station::Station;
-use super::touching::{tip, touch, touching_sensor};
+use super::touching::{Touched, tip, touch_all, touching_sensor};
 use crate::cli::CalibrateTrackerArgs;
 use crate::notice::notice;
 use crate::rig;
@@ -22,29 +23,36 @@ pub(crate) fn run(args: &CalibrateTrackerArgs) -> Result<()> {
         )
     })?;
     let sensor = touching_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let destination = Destination::choose(&args.measuring.rig, &args.saving)?;
+    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig)?;
     let tip = tip(&rig, &sensor);
+    let device = rig.devices.get(&sensor.device);
+    let correction = device.and_then(|device| device.correction());
+    let outdated = correction.map(|correction| correction.file().to_owned());
     measure_in_tracker_frame(&mut rig);
     let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
-    let mut touches = Vec::new();
-    for (number, mark) in (1..).zip(&marks) {
-        let of = format!("{number} of {}", marks.len());
-        if let Some(measured) = touch(&station, tip, mark, &of)? {
-            let marked = mark.place;
-            touches.push((mark, Touch { measured, marked }));
-        }
-    }
+    let touched = touch_all(&station, tip, &marks)?;
     let dialogue = station.stop();
-    let found = agree(&dialogue, touches, &destination)?;
+    let found = agree(&dialogue, "point", touched, fit, |touched, found| {
+        show(touched, found);
+        Offer::Enter(destination.enter())
+    })?;
     destination.save(&Calibrated::Tracker {
         device: sensor.device,
         table_from_tracker: found.table_from_tracker,
-    })
+    })?;
+    if let Some(file) = outdated {
+        notice(format_args!(
+            "the rig no longer names {file}: that correction was for where the tracker stood before; \
+             `sandtable calibrate field` measures the field anew"
+        ));
+    }
+    Ok(())
 }
 
-/// Lets every pose come in its tracker's own frame.
-pub(super) fn measure_in_tracker_frame(rig: &mut Rig) {
+/// Lets every pose come in its tracker's own frame, as its field bends it.
+fn measure_in_tracker_frame(rig: &mut Rig) {
     for device in rig.devices.values_mut() {
+        device.leave_field_bent();
         if let Some(table_from_tracker) = device.table_from_tracker_mut() {
             *table_from_tracker = Rigid::IDENTITY;
         }
@@ -64,51 +72,30 @@ fn could_register(marks: &[Mark]) -> Result<()> {
     Ok(())
 }
 
-/// Registers, shows what came out, and leaves out what the user says until it is agreed on.
-fn agree(
-    dialogue: &Dialogue,
-    mut touches: Vec<(&Mark, Touch)>,
-    destination: &Destination,
-) -> Result<Registration> {
-    loop {
-        let points: Vec<Touch> = touches.iter().map(|(_, touch)| *touch).collect();
-        let found = register(&points)?;
-        show(&touches, &found);
-        let prompt = format!(
-            "{}; a point's number leaves that point out; q ends without",
-            destination.enter()
-        );
-        loop {
-            let words = match dialogue.ask(&prompt)? {
-                Answer::Enter => return Ok(found),
-                Answer::Quit => return Err(quit()),
-                Answer::Words(words) => words,
-            };
-            match words.parse::<usize>() {
-                Ok(number) if (1..=touches.len()).contains(&number) => {
-                    let (mark, _) = touches.remove(number - 1);
-                    eprintln!("\"{}\" is left out", mark.name);
-                    break;
-                }
-                _ => eprintln!("{words:?} is no point: say 1 to {}", touches.len()),
-            }
-        }
-    }
+fn fit(touched: &[Touched<'_>]) -> Result<Registration> {
+    let touches: Vec<_> = touched
+        .iter()
+        .map(|touched| Touch {
+            measured: touched.still.point,
+            marked: touched.mark.place,
+        })
+        .collect();
+    Ok(register(&touches)?)
 }
 
-fn show(touches: &[(&Mark, Touch)], found: &Registration) {
+fn show(touched: &[Touched<'_>], found: &Registration) {
     notice("point   off, mm  mark");
-    for ((number, residual), (mark, _)) in (1..).zip(&found.residuals.each).zip(touches) {
+    for ((number, residual), touched) in (1..).zip(&found.residuals.each).zip(touched) {
         notice(format_args!(
             "{number:5}  {:8.2}  {}",
             1e3 * residual,
-            mark.name
+            touched.mark.name
         ));
     }
     notice(format_args!(
         "  RMS  {:8.2}  over {} points",
         1e3 * found.residuals.rms,
-        touches.len()
+        touched.len()
     ));
     for finding in &found.findings {
         notice(format_args!("note: {finding}"));

@@ -70,7 +70,8 @@ impl Bird {
     }
 }
 
-fn rotation([azimuth, elevation, roll]: [f64; 3]) -> DQuat {
+/// The attitude of these angles.
+pub(super) fn rotation([azimuth, elevation, roll]: [f64; 3]) -> DQuat {
     DQuat::from_euler(
         EulerRot::ZYX,
         azimuth.to_radians(),

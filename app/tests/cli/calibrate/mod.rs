@@ -1,6 +1,7 @@
 //! `sandtable calibrate` at a simulated Flock whose birds are put where a hand would put them.
 
 mod bird;
+mod field;
 mod refusals;
 mod talk;
 

@@ -2,7 +2,10 @@
 
 use crate::noise::Noise;
 use glam::{DQuat, DVec3};
-use sandtable_calibration::{DistortionFit, FieldSample, Touch, fit_distortion, register};
+use sandtable_calibration::{
+    CalibrationError, DistortionFit, FieldSample, Touch, admit_field_marks, fit_distortion,
+    register,
+};
 use sandtable_pose::Rigid;
 
 /// Where the stylus's sensor is while its tip touches marks over 1.8 x 1.1 x 0.5 m.
@@ -79,6 +82,8 @@ struct Setup {
     sigma: f64,
     /// How many touches register the tracker: those nearest to the transmitter.
     registering: usize,
+    /// The touch whose tip slips, and how far, in metres.
+    slip: Option<(usize, f64)>,
 }
 
 /// Touches marks with a stylus, registers, fits and looks at other places.
@@ -89,10 +94,13 @@ fn trial(setup: Setup, seed: u64) -> Trial {
     let tracker_from_table = Rigid::new(turn, noise.within(-DVec3::ONE, DVec3::ONE));
     let bent = |place: DVec3| place + field.map_or(DVec3::ZERO, |field| field.shift(place));
     let touched: Vec<_> = evenly(setup.counts)
-        .map(|place| {
+        .enumerate()
+        .map(|(index, place)| {
             // A stylus is held by hand, not upright; its attitude is measured to 0.1 degrees.
             let held = noise.turn(0.25) * DQuat::from_rotation_z(noise.between(-0.5, 0.5));
-            let mark = place + held * TIP;
+            let slipped = setup.slip.filter(|(touch, _)| *touch == index);
+            let slip = slipped.map_or(DVec3::ZERO, |(_, far)| far * noise.direction());
+            let mark = place + held * TIP + slip;
             let measured = Rigid::new(
                 tracker_from_table.rotation * noise.turn(1.7e-3) * held,
                 tracker_from_table.point(bent(place)) + noise.vector(sigma),
@@ -163,6 +171,7 @@ const TWENTY_MINUTES: Setup = Setup {
     counts: [5, 4, 3],
     sigma: 1e-3,
     registering: 20,
+    slip: None,
 };
 
 fn in_field(shape: fn(DVec3) -> DVec3) -> Setup {
@@ -218,6 +227,7 @@ fn noise_alone_is_not_taken_for_a_field() {
         for seed in 0..50 {
             let trial = trial(setup, seed);
             changed += usize::from(trial.fit.smoothing.is_some());
+            assert!(!trial.fit.helps(), "{:?}", trial.fit.left_out);
             worst = worst.max(trial.worst);
         }
         println!(
@@ -238,6 +248,30 @@ fn strong_noise_does_not_blow_a_field_up() {
     };
     let (before, after, worst) = trials("growing", strong);
     assert!(after < 0.6 * before && worst < 10.0);
+}
+
+#[test]
+fn a_touch_that_slipped_is_named_and_few_others_are() {
+    for (name, shape) in [("growing", growing as fn(_) -> _), ("metal", metal)] {
+        let (mut named, mut foremost, mut falsely) = (0, 0, 0);
+        for seed in 0..40 {
+            let slipped = (7 * seed as usize) % 60;
+            let setup = Setup {
+                slip: Some((slipped, 0.02)),
+                ..in_field(shape)
+            };
+            let outliers = trial(setup, seed).fit.outliers;
+            named += usize::from(outliers.iter().any(|o| o.item.index == slipped));
+            foremost += usize::from(outliers.first().is_some_and(|o| o.item.index == slipped));
+            let without = trial(in_field(shape), seed).fit;
+            falsely += usize::from(!without.outliers.is_empty());
+            assert!(without.helps());
+        }
+        println!(
+            "{name}, a slip of 20 mm: named in {named} of 40 sets, first in {foremost}; another in {falsely} sets without a slip"
+        );
+        assert!(named >= 38 && foremost >= 36 && falsely <= 6);
+    }
 }
 
 /// Twice as many touches with three times the noise: a field through every one of them would be as
@@ -277,6 +311,29 @@ fn samples_in_a_plane_a_line_and_one_place_fit_without_harm() {
             assert!(moved.length() < 1.5 * RIM, "{moved} at {p}");
         }
     }
+}
+
+#[test]
+fn marks_in_a_plane_a_line_or_one_place_are_refused_before_they_are_touched() {
+    let marks: Vec<_> = evenly([4, 3, 3]).collect();
+    assert_eq!(admit_field_marks(&marks), Ok(()));
+    let lifted = |height: f64| {
+        let lift = |mark: &DVec3| DVec3::new(mark.x, mark.y, height * mark.z);
+        admit_field_marks(&marks.iter().map(lift).collect::<Vec<_>>())
+    };
+    // 0.2 m of height over 1.8 m of width is 0.09 m of spread over 0.67 m.
+    assert_eq!(lifted(0.4), Ok(()));
+    let Err(CalibrationError::MarksInPlane { percent, .. }) = lifted(0.1) else {
+        panic!("marks within 5 cm are as good as a plane");
+    };
+    assert!((percent - 3.0).abs() < 0.1, "{percent}");
+    for flat in [DVec3::new(0.0, 1.0, 1.0), DVec3::X, DVec3::ZERO] {
+        let flat: Vec<_> = marks.iter().map(|mark| *mark * flat).collect();
+        let refused = admit_field_marks(&flat).unwrap_err().to_string();
+        assert!(refused.contains("nearly in a plane"), "{refused}");
+    }
+    let few = admit_field_marks(&marks[..7]).unwrap_err();
+    assert!(few.to_string().contains("at least 8"), "{few}");
 }
 
 #[test]

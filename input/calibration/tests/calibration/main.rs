@@ -1,7 +1,6 @@
 //! Calibrations from simulated measurements whose truth is known, and from measurements that
 //! nothing can be made of.
 
-mod correction;
 mod distortion;
 mod eyes;
 mod noise;

@@ -18,12 +18,15 @@ impl RecordedMotion {
     /// recorded.
     #[must_use]
     pub fn of(replay: &Replay, device: &str) -> Option<Self> {
-        let Device::Flock(flock) = replay.rig().devices.get(device)? else {
+        // What the line said, not what a correction made of it: whoever hears it corrects it again.
+        let mut bent = replay.rig().devices.get(device)?.clone();
+        bent.leave_field_bent();
+        let Device::Flock(flock) = &bent else {
             return None;
         };
         let tracker_from_table = flock.table_from_tracker.inverse();
         let mut birds = vec![Vec::new(); flock.birds as usize];
-        for sample in replay.samples(device) {
+        for sample in replay.samples_as(device, &bent) {
             if let Some(pose) = sample.pose()
                 && let Some(poses) = birds.get_mut(pose.sensor as usize - 1)
             {

@@ -104,6 +104,25 @@ impl Correction {
         })
     }
 
+    /// The correction whose displacement at each node is what `field` says of its place: table
+    /// frame, metres.
+    ///
+    /// # Errors
+    /// As [`Correction::new`].
+    pub fn sampled(
+        origin: DVec3,
+        spacing: DVec3,
+        counts: UVec3,
+        field: impl Fn(DVec3) -> DVec3,
+    ) -> Result<Self, CorrectionError> {
+        // Before anything is made for more nodes than there may be.
+        if counts.max_element() > MOST_NODES {
+            return Err(CorrectionError::Counts { counts });
+        }
+        let displacements = node_places(origin, spacing, counts).map(field).collect();
+        Self::new(origin, spacing, counts, displacements)
+    }
+
     /// The correction that changes nothing.
     #[must_use]
     pub fn identity() -> Self {
@@ -130,7 +149,25 @@ impl Correction {
         let at = (measured - self.origin) * self.per_metre;
         let inside = at.clamp(DVec3::ZERO, self.last);
         let beyond = ((at - inside) * self.spacing).length();
-        self.trilinear(inside) * (1.0 - smooth_step(beyond / FADE))
+        self.trilinear(inside) * fade(beyond)
+    }
+
+    /// The first node's place: table frame, metres.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// From one node to the next along each axis, in metres.
+    #[must_use]
+    pub fn spacing(&self) -> DVec3 {
+        self.spacing
+    }
+
+    /// How many nodes there are along each axis.
+    #[must_use]
+    pub fn counts(&self) -> UVec3 {
+        self.counts
     }
 
     /// The nodes' places, in the displacements' order: table frame, metres.
@@ -160,11 +197,7 @@ impl Correction {
 }
 
 /// The places of a grid's nodes, x running fastest.
-pub(crate) fn node_places(
-    origin: DVec3,
-    spacing: DVec3,
-    counts: UVec3,
-) -> impl Iterator<Item = DVec3> {
+fn node_places(origin: DVec3, spacing: DVec3, counts: UVec3) -> impl Iterator<Item = DVec3> {
     (0..counts.z).flat_map(move |z| {
         (0..counts.y).flat_map(move |y| {
             (0..counts.x).map(move |x| origin + spacing * UVec3::new(x, y, z).as_dvec3())
@@ -172,10 +205,12 @@ pub(crate) fn node_places(
     })
 }
 
-/// From 0 at 0 to 1 at 1 with level ends.
-pub(crate) fn smooth_step(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+/// The share of a correction that is left `beyond` metres from where it is known: 1 at 0, nothing
+/// from 0.5 m on, with level ends.
+#[must_use]
+pub fn fade(beyond: f64) -> f64 {
+    let t = (beyond / FADE).clamp(0.0, 1.0);
+    1.0 - t * t * (3.0 - 2.0 * t)
 }
 
 #[derive(Serialize, Deserialize)]
