@@ -1,7 +1,12 @@
 //! Arguments of `calibrate`.
 
+use anyhow::Result;
 use clap::{Args, Subcommand};
+use sandtable_config::{Mark, Rig, Viewing, load_marks};
+use std::convert::Infallible;
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -30,6 +35,69 @@ pub(crate) enum CalibrationStep {
     Eyes(CalibrateEyesArgs),
     /// How far off three marks are; fails where one is farther off than it may be.
     Check(CalibrateCheckArgs),
+}
+
+/// Where marks come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum MarkSource {
+    /// A file of marks.
+    File(PathBuf),
+    /// Six places on the glass, a tenth of its sides in from its edges; a window shows them.
+    Glass,
+}
+
+impl FromStr for MarkSource {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(match text {
+            "glass" => Self::Glass,
+            path => Self::File(path.into()),
+        })
+    }
+}
+
+impl fmt::Display for MarkSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Glass => f.write_str("the glass"),
+        }
+    }
+}
+
+/// The places on the glass, by their shares of its width and its depth; the first three tell a
+/// tracker that was moved or turned.
+const ON_GLASS: [(&str, [f64; 2]); 6] = [
+    ("front left", [0.1, 0.1]),
+    ("front right", [0.9, 0.1]),
+    ("back left", [0.1, 0.9]),
+    ("back right", [0.9, 0.9]),
+    ("middle left", [0.1, 0.5]),
+    ("middle right", [0.9, 0.5]),
+];
+
+impl MarkSource {
+    /// The marks.
+    pub(crate) fn load(&self, rig: &Rig) -> Result<Vec<Mark>> {
+        let table = match (self, &rig.viewing) {
+            (Self::File(path), _) => return Ok(load_marks(path)?),
+            (Self::Glass, Viewing::Table(table)) => table,
+            (Self::Glass, Viewing::Desktop(_)) => {
+                return Err(crate::exit::usage(format!(
+                    "the rig {:?} has no glass that marks could be on; name a file of marks",
+                    rig.name
+                )));
+            }
+        };
+        let across = table.lower_right - table.lower_left;
+        let away = table.upper_left - table.lower_left;
+        let mark = |(name, [right, back]): (&str, [f64; 2])| Mark {
+            name: name.to_owned(),
+            place: table.lower_left + right * across + back * away,
+        };
+        Ok(ON_GLASS.into_iter().map(mark).collect())
+    }
 }
 
 /// Whose sensor measures.
@@ -70,9 +138,10 @@ pub(crate) struct CalibrateTrackerArgs {
     #[command(flatten)]
     pub(crate) measuring: MeasuringArgs,
 
-    /// The marks' places in table metres.
+    /// The marks' places in table metres; or `glass`: six places on the glass, a tenth of its sides
+    /// in from its edges.
     #[arg(long, value_name = "FILE")]
-    pub(crate) marks: PathBuf,
+    pub(crate) marks: MarkSource,
 
     #[command(flatten)]
     pub(crate) saving: SavingArgs,
@@ -92,7 +161,7 @@ pub(crate) struct CalibrateFieldArgs {
 
     /// The marks' places in table metres, at least 8 and not in a plane.
     #[arg(long, value_name = "FILE")]
-    pub(crate) marks: PathBuf,
+    pub(crate) marks: MarkSource,
 
     #[command(flatten)]
     pub(crate) saving: SavingArgs,
@@ -123,9 +192,10 @@ pub(crate) struct CalibrateEyesArgs {
     #[command(flatten)]
     pub(crate) measuring: MeasuringArgs,
 
-    /// The marks' places in table metres.
+    /// The marks' places in table metres; or `glass`: six places on the glass, a tenth of its sides
+    /// in from its edges.
     #[arg(long, value_name = "FILE")]
-    pub(crate) marks: PathBuf,
+    pub(crate) marks: MarkSource,
 
     /// A near and a far mark to bring into line; several are taken in turns.
     #[arg(long, value_name = "NEAR=FAR", required = true)]
@@ -148,9 +218,9 @@ pub(crate) struct CalibrateCheckArgs {
     #[command(flatten)]
     pub(crate) measuring: MeasuringArgs,
 
-    /// The marks' places in table metres; the first three are touched.
+    /// The marks' places in table metres, or `glass`; the first three are touched.
     #[arg(long, value_name = "FILE")]
-    pub(crate) marks: PathBuf,
+    pub(crate) marks: MarkSource,
 
     /// How far off a mark may be, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 5.0)]

@@ -1,8 +1,10 @@
 //! Fits through touched marks, shown and tried again until whoever touched them agrees.
 
 use super::dialogue::{Answer, Dialogue, quit};
+use super::station::Still;
 use super::touching::Touched;
 use anyhow::Result;
+use sandtable_config::Mark;
 
 /// What may be done with a fit that was shown.
 pub(super) enum Offer {
@@ -15,11 +17,13 @@ pub(super) enum Offer {
 }
 
 /// Fits, shows what came out, and leaves out what the user says until it is agreed on. One of the
-/// touches is called `noun`. What the fit needs cannot be left out.
+/// touches is called `noun`; `again` has its mark touched anew. What the fit needs cannot be left
+/// out.
 pub(super) fn agree<'m, F>(
     dialogue: &Dialogue,
     noun: &str,
     mut touched: Vec<Touched<'m>>,
+    again: impl Fn(&'m Mark) -> Result<Option<Still>>,
     fit: impl Fn(&[Touched<'m>]) -> Result<F>,
     show: impl Fn(&[Touched<'m>], &F) -> Offer,
 ) -> Result<F> {
@@ -31,33 +35,57 @@ pub(super) fn agree<'m, F>(
             Offer::Discouraged => "w writes it all the same; ".to_owned(),
             Offer::Nothing => String::new(),
         };
-        let prompt = format!("{take}a {noun}'s number leaves that {noun} out; q ends without");
+        let prompt = format!(
+            "{take}a {noun}'s number leaves that {noun} out, t and its number has it touched \
+             again; q ends without"
+        );
         found = loop {
             let words = match (dialogue.ask(&prompt)?, &offer) {
                 (Answer::Enter, Offer::Enter(_)) => return Ok(found),
                 (Answer::Words(words), Offer::Discouraged) if words == "w" => return Ok(found),
                 (Answer::Quit, _) => return Err(quit()),
                 (Answer::Enter, _) => {
-                    eprintln!("Enter writes nothing here");
+                    dialogue.remark("Enter writes nothing here");
                     continue;
                 }
                 (Answer::Words(words), _) => words,
             };
-            match words.parse::<usize>() {
-                Ok(number) if (1..=touched.len()).contains(&number) => {
-                    let out = touched.remove(number - 1);
-                    match fit(&touched) {
-                        Ok(without) => {
-                            eprintln!("\"{}\" is left out", out.mark.name);
-                            break without;
-                        }
-                        Err(problem) => {
-                            eprintln!("\"{}\" stays: without it, {problem:#}", out.mark.name);
-                            touched.insert(number - 1, out);
-                        }
-                    }
+            let (touch_again, number) = match words.strip_prefix('t') {
+                Some(number) => (true, number.trim()),
+                None => (false, words.as_str()),
+            };
+            let number = number.parse::<usize>().ok();
+            let Some(index) = number
+                .filter(|n| (1..=touched.len()).contains(n))
+                .map(|n| n - 1)
+            else {
+                dialogue.remark(format_args!(
+                    "{words:?} is no {noun}: say 1 to {}, or t1 to t{0}",
+                    touched.len()
+                ));
+                continue;
+            };
+            let mut changed = touched.clone();
+            let name = &touched[index].mark.name;
+            let done = if touch_again {
+                let Some(still) = again(touched[index].mark)? else {
+                    continue;
+                };
+                changed[index].still = still;
+                format!("\"{name}\" is touched again")
+            } else {
+                changed.remove(index);
+                format!("\"{name}\" is left out")
+            };
+            match fit(&changed) {
+                Ok(anew) => {
+                    dialogue.remark(done);
+                    touched = changed;
+                    break anew;
                 }
-                _ => eprintln!("{words:?} is no {noun}: say 1 to {}", touched.len()),
+                Err(problem) => {
+                    dialogue.remark(format_args!("\"{name}\" stays: otherwise, {problem:#}"));
+                }
             }
         };
     }

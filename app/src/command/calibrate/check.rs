@@ -5,23 +5,21 @@ use super::station::Station;
 use super::touching::{tip, touch, touching_sensor};
 use crate::cli::CalibrateCheckArgs;
 use crate::exit::usage;
-use crate::notice::notice;
 use crate::rig;
 use anyhow::{Result, bail};
-use sandtable_config::load_marks;
 
 /// How many marks are touched: enough to see a tracker that was moved or turned.
 const MARKS: usize = 3;
 
-pub(crate) fn run(args: &CalibrateCheckArgs) -> Result<()> {
+pub(super) fn run(args: &CalibrateCheckArgs, dialogue: &Dialogue) -> Result<()> {
     if !(args.within > 0.0 && args.within.is_finite()) {
         return Err(usage("--within must be above 0 mm"));
     }
     let rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
-    let marks = load_marks(&args.marks)?;
+    let marks = args.marks.load(&rig)?;
     let sensor = touching_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let tip = tip(&rig, &sensor);
-    let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
+    let tip = tip(&rig, &sensor, dialogue);
+    let station = Station::start(&rig, &sensor, dialogue.clone())?;
     let count = marks.len().min(MARKS);
     let (mut touched, mut far) = (0, 0);
     for (number, mark) in (1..).zip(&marks[..count]) {
@@ -32,7 +30,7 @@ pub(crate) fn run(args: &CalibrateCheckArgs) -> Result<()> {
         let is_far = off.length() > args.within;
         touched += 1;
         far += u32::from(is_far);
-        notice(format_args!(
+        dialogue.result(format_args!(
             "{}: {:.1} mm off ({:+.1} right, {:+.1} away, {:+.1} up){}",
             mark.name,
             off.length(),
@@ -53,6 +51,6 @@ pub(crate) fn run(args: &CalibrateCheckArgs) -> Result<()> {
             args.within
         );
     }
-    notice(format_args!("all {touched} are within {} mm", args.within));
+    dialogue.result(format_args!("all {touched} are within {} mm", args.within));
     Ok(())
 }

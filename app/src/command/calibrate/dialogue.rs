@@ -1,15 +1,44 @@
-//! The talk with whoever stands at the table: prompts on standard error, lines from standard input.
+//! The talk with whoever stands at the table: what is asked and told, and what is answered.
+//!
+//! On the terminal prompts go to standard error, results to standard output, and lines come from
+//! standard input. A window holds the same talk by two channels: see [`Telling`].
 
 use crate::interrupt;
+use crate::notice::notice;
 use anyhow::{Context, Result, bail};
-use crossbeam_channel::{Receiver, RecvTimeoutError, select};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, select};
+use glam::DVec3;
+use std::fmt::Display;
 use std::io::BufRead;
 use std::time::Duration;
 
-/// Lines as they are entered, and Ctrl-C.
+/// What a step of the calibration says and asks.
+#[derive(Clone, Debug)]
 pub(super) struct Dialogue {
     lines: Receiver<std::io::Result<String>>,
     stop: Receiver<()>,
+    listener: Listener,
+}
+
+/// Who hears what is told.
+#[derive(Clone, Debug)]
+enum Listener {
+    Terminal,
+    Window(Sender<Telling>),
+}
+
+/// What a window is told.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Telling {
+    /// A line to read.
+    Line(String),
+    /// A question, which waits for a line.
+    Question {
+        /// What is asked.
+        prompt: String,
+        /// The mark that is to be touched for it, in table metres.
+        mark: Option<DVec3>,
+    },
 }
 
 /// What was answered.
@@ -23,8 +52,8 @@ pub(super) enum Answer {
 }
 
 impl Dialogue {
-    /// Begins to listen; at most once a process.
-    pub(super) fn open() -> Result<Self> {
+    /// Begins to listen to the terminal; at most once a process.
+    pub(super) fn on_terminal() -> Result<Self> {
         let (sender, lines) = crossbeam_channel::unbounded();
         std::thread::Builder::new()
             .name("standard input".into())
@@ -40,12 +69,54 @@ impl Dialogue {
         Ok(Self {
             lines,
             stop: interrupt::channel()?,
+            listener: Listener::Terminal,
         })
+    }
+
+    /// The talk with a window, which hears `telling`, answers by `lines`, and ends it all by `stop`
+    /// or by dropping that.
+    pub(super) fn in_window(
+        telling: Sender<Telling>,
+        lines: Receiver<std::io::Result<String>>,
+        stop: Receiver<()>,
+    ) -> Self {
+        Self {
+            lines,
+            stop,
+            listener: Listener::Window(telling),
+        }
+    }
+
+    /// Says how things stand.
+    pub(super) fn remark(&self, line: impl Display) {
+        match &self.listener {
+            Listener::Terminal => eprintln!("{line}"),
+            Listener::Window(_) => self.tell(Telling::Line(line.to_string())),
+        }
+    }
+
+    /// Says what came out.
+    pub(super) fn result(&self, line: impl Display) {
+        match &self.listener {
+            Listener::Terminal => notice(line),
+            Listener::Window(_) => self.tell(Telling::Line(line.to_string())),
+        }
     }
 
     /// Asks, and waits for a line.
     pub(super) fn ask(&self, prompt: &str) -> Result<Answer> {
-        eprintln!("{prompt}");
+        self.ask_at(prompt, None)
+    }
+
+    /// Asks for something to be done at a mark, in table metres, and waits for a line.
+    pub(super) fn ask_at(&self, prompt: &str, mark: Option<DVec3>) -> Result<Answer> {
+        match &self.listener {
+            Listener::Terminal => eprintln!("{prompt}"),
+            Listener::Window(_) => self.tell(Telling::Question {
+                prompt: prompt.to_owned(),
+                mark,
+            }),
+        }
         let line = select! {
             recv(self.lines) -> line => line,
             recv(self.stop) -> _ => bail!(STOPPED),
@@ -59,6 +130,13 @@ impl Dialogue {
             "q" | "Q" => Answer::Quit,
             words => Answer::Words(words.to_lowercase()),
         })
+    }
+
+    fn tell(&self, telling: Telling) {
+        if let Listener::Window(sender) = &self.listener {
+            // A window that is gone has dropped `stop`, too, which ends this.
+            let _ = sender.send(telling);
+        }
     }
 
     /// Lets time pass; Ctrl-C ends it.

@@ -5,24 +5,23 @@ use super::saving::Destination;
 use super::station::{Station, Steadiness};
 use crate::cli::CalibrateEyesArgs;
 use crate::exit::usage;
-use crate::notice::notice;
 use crate::rig;
 use anyhow::{Result, bail};
 use glam::DVec3;
 use sandtable_calibration::{Eye, LocatedEyes, Sighting, locate_eyes};
-use sandtable_config::{Calibrated, Mark, Rig, SensorName, load_marks};
+use sandtable_config::{Calibrated, Mark, Rig, SensorName};
 
-pub(crate) fn run(args: &CalibrateEyesArgs) -> Result<()> {
+pub(super) fn run(args: &CalibrateEyesArgs, dialogue: &Dialogue) -> Result<()> {
     let rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
-    let marks = load_marks(&args.marks)?;
+    let marks = args.marks.load(&rig)?;
     let pairs = args
         .pair
         .iter()
         .map(|pair| pair_of(&marks, pair))
         .collect::<Result<Vec<_>>>()?;
     let sensor = head_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig)?;
-    let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
+    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig, dialogue)?;
+    let station = Station::start(&rig, &sensor, dialogue.clone())?;
     let sight = |eye: &str, closed: &str| {
         (0..args.sightings)
             .map(|index| {
@@ -34,8 +33,8 @@ pub(crate) fn run(args: &CalibrateEyesArgs) -> Result<()> {
     };
     let left = sight("left", "right")?;
     let right = sight("right", "left")?;
-    let dialogue = station.stop();
-    let found = agree(&dialogue, left, right, &destination)?;
+    station.stop();
+    let found = agree(dialogue, left, right, &destination)?;
     let eyes = found.eyes;
     destination.save(&Calibrated::Eyes {
         middle: eyes.middle,
@@ -82,30 +81,31 @@ fn sighting(
     of: &str,
     closed: &str,
 ) -> Result<Sighting> {
+    let dialogue = &station.dialogue;
     let prompt = format!(
         "{of}: close the {closed} eye, turn the head otherwise than before, bring \"{}\" before \
          \"{}\", hold still, Enter; q ends",
         near.name, far.name
     );
     loop {
-        match station.dialogue.ask(&prompt)? {
+        match dialogue.ask_at(&prompt, Some(near.place))? {
             Answer::Enter => {}
             Answer::Quit => return Err(quit()),
             Answer::Words(words) => {
-                eprintln!("{words:?} means nothing here");
+                dialogue.remark(format_args!("{words:?} means nothing here"));
                 continue;
             }
         }
         match station.still(DVec3::ZERO, Steadiness::HEAD)? {
             Ok(still) => {
-                eprintln!("got it");
+                dialogue.remark("got it");
                 return Ok(Sighting {
                     table_from_sensor: still.pose,
                     near: near.place,
                     far: far.place,
                 });
             }
-            Err(problem) => eprintln!("again: {problem}"),
+            Err(problem) => dialogue.remark(format_args!("again: {problem}")),
         }
     }
 }
@@ -119,7 +119,7 @@ fn agree(
 ) -> Result<LocatedEyes> {
     loop {
         let found = locate_eyes(&left, &right)?;
-        show(&found);
+        show(&found, dialogue);
         let prompt = format!(
             "{}; l2 leaves out the left eye's sighting 2, r1 the right eye's 1; q ends without",
             destination.enter()
@@ -139,41 +139,41 @@ fn agree(
             match (side, number) {
                 (Some(side), Some(number)) if (1..=side.len()).contains(&number) => {
                     side.remove(number - 1);
-                    eprintln!("{words} is left out");
+                    dialogue.remark(format_args!("{words} is left out"));
                     break;
                 }
-                _ => eprintln!("{words:?} is no sighting"),
+                _ => dialogue.remark(format_args!("{words:?} is no sighting")),
             }
         }
     }
 }
 
-fn show(found: &LocatedEyes) {
+fn show(found: &LocatedEyes, dialogue: &Dialogue) {
     for (name, eye) in [("left", &found.left), ("right", &found.right)] {
-        show_eye(name, eye);
+        show_eye(name, eye, dialogue);
     }
     let [x, y, z] = (1e3 * found.eyes.middle).to_array();
-    notice(format_args!(
+    dialogue.result(format_args!(
         "middle: {x:.1}, {y:.1}, {z:.1} mm in the sensor's axes; {:.1} mm apart, ± {:.1} mm",
         1e3 * found.eyes.interpupillary,
         1e3 * found.interpupillary_error
     ));
 }
 
-fn show_eye(name: &str, eye: &Eye) {
+fn show_eye(name: &str, eye: &Eye, dialogue: &Dialogue) {
     let each: Vec<String> = eye
         .residuals
         .each
         .iter()
         .map(|residual| format!("{:.1}", 1e3 * residual))
         .collect();
-    notice(format_args!(
+    dialogue.result(format_args!(
         "{name} eye: ± {:.1} mm; its lines of sight miss it by {} mm, {:.1} mm RMS",
         1e3 * eye.standard_error(),
         each.join(", "),
         1e3 * eye.residuals.rms
     ));
     for outlier in &eye.outliers {
-        notice(format_args!("note: {outlier}"));
+        dialogue.result(format_args!("note: {outlier}"));
     }
 }

@@ -1,9 +1,9 @@
 //! Where a calibration goes: into the rig's own file, the old one kept, or into a new one; what is
 //! too much for a rig goes into a file beside it.
 
+use super::dialogue::Dialogue;
 use crate::cli::SavingArgs;
 use crate::exit::usage;
-use crate::notice::notice;
 use crate::partial::Partial;
 use crate::{files, rig};
 use anyhow::{Context, Result, bail};
@@ -20,6 +20,7 @@ use time::{Date, OffsetDateTime};
 pub(super) struct Destination {
     from: From,
     to: To,
+    dialogue: Dialogue,
 }
 
 /// The rig that is changed.
@@ -39,7 +40,12 @@ enum To {
 impl Destination {
     /// Decides where the result goes, and sees that it can be written there before anybody
     /// measures anything. `rig` is the one called `name`.
-    pub(super) fn choose(name: &str, args: &SavingArgs, rig: &Rig) -> Result<Self> {
+    pub(super) fn choose(
+        name: &str,
+        args: &SavingArgs,
+        rig: &Rig,
+        dialogue: &Dialogue,
+    ) -> Result<Self> {
         let from = if rig::is_file(name) {
             From::File(PathBuf::from(name))
         } else {
@@ -84,7 +90,8 @@ impl Destination {
                 To::Same(path)
             }
         };
-        let destination = Self { from, to };
+        let dialogue = dialogue.clone();
+        let destination = Self { from, to, dialogue };
         if let To::Same(path) | To::New(path) = &destination.to {
             files::make_folder(path)?;
             let partial = Partial::beside(path);
@@ -157,8 +164,11 @@ impl Destination {
         let saved = self.save_with(&entry, &measured, today);
         if saved.is_err() {
             // Touching all marks again would take far longer than to copy this.
-            notice(format_args!("this is what was measured, for {file}:"));
-            measured.values().for_each(notice);
+            self.dialogue
+                .result(format_args!("this is what was measured, for {file}:"));
+            measured
+                .values()
+                .for_each(|text| self.dialogue.result(text));
         }
         saved
     }
@@ -200,74 +210,79 @@ impl Destination {
                 }
                 return Ok(());
             }
-            To::New(path) => write_new(path, &new, &files),
-            To::Same(path) => replace(path, old, &new, measured, today),
+            To::New(path) => self.write_new(path, &new, &files),
+            To::Same(path) => self.replace(path, old, &new, measured, today),
         };
         if written.is_err() {
-            notice("not written; these are the measured lines:");
+            self.dialogue
+                .result("not written; these are the measured lines:");
             for line in changes(old, &new) {
-                notice(line);
+                self.dialogue.result(line);
             }
         }
         written
     }
-}
 
-/// Writes a new rig, behind the files that it names.
-fn write_new(path: &Path, rig: &str, files: &BTreeMap<String, String>) -> Result<()> {
-    for (name, text) in files {
-        let file = beside(path, name);
-        match std::fs::read(&file) {
-            // The old rig's own, of which the new one is a neighbour.
-            Ok(found) if found == text.as_bytes() => continue,
-            Ok(_) => bail!("{} exists and is never overwritten", file.display()),
-            Err(_) => files::make_folder(&file)?,
-        }
-        write(&file, text, None)?;
-        notice(format_args!("{} is written", file.display()));
-    }
-    write(path, rig, None)?;
-    notice(format_args!("{} is written", path.display()));
-    Ok(())
-}
-
-/// Writes the rig and, before it, the files that were measured, each in place of its old one, which
-/// is kept: a rig names only what is there.
-fn replace(
-    path: &Path,
-    old: &str,
-    new: &str,
-    measured: &BTreeMap<String, String>,
-    today: Date,
-) -> Result<()> {
-    for (name, text) in measured {
-        let file = beside(path, name);
-        match std::fs::read(&file) {
-            Ok(old) => keep_and_write(&file, &old, text, today)?,
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                write(&file, text, None)?;
-                notice(format_args!("{} is written", file.display()));
+    /// Writes a new rig, behind the files that it names.
+    fn write_new(&self, path: &Path, rig: &str, files: &BTreeMap<String, String>) -> Result<()> {
+        for (name, text) in files {
+            let file = beside(path, name);
+            match std::fs::read(&file) {
+                // The old rig's own, of which the new one is a neighbour.
+                Ok(found) if found == text.as_bytes() => continue,
+                Ok(_) => bail!("{} exists and is never overwritten", file.display()),
+                Err(_) => files::make_folder(&file)?,
             }
-            Err(error) => {
-                return Err(error).with_context(|| format!("cannot read {}", file.display()));
+            write(&file, text, None)?;
+            self.dialogue
+                .result(format_args!("{} is written", file.display()));
+        }
+        write(path, rig, None)?;
+        self.dialogue
+            .result(format_args!("{} is written", path.display()));
+        Ok(())
+    }
+
+    /// Writes the rig and, before it, the files that were measured, each in place of its old one, which
+    /// is kept: a rig names only what is there.
+    fn replace(
+        &self,
+        path: &Path,
+        old: &str,
+        new: &str,
+        measured: &BTreeMap<String, String>,
+        today: Date,
+    ) -> Result<()> {
+        for (name, text) in measured {
+            let file = beside(path, name);
+            match std::fs::read(&file) {
+                Ok(old) => self.keep_and_write(&file, &old, text, today)?,
+                Err(error) if error.kind() == ErrorKind::NotFound => {
+                    write(&file, text, None)?;
+                    self.dialogue
+                        .result(format_args!("{} is written", file.display()));
+                }
+                Err(error) => {
+                    return Err(error).with_context(|| format!("cannot read {}", file.display()));
+                }
             }
         }
+        if new == old {
+            return Ok(());
+        }
+        self.keep_and_write(path, old.as_bytes(), new, today)
     }
-    if new == old {
-        return Ok(());
-    }
-    keep_and_write(path, old.as_bytes(), new, today)
-}
 
-fn keep_and_write(path: &Path, old: &[u8], new: &str, today: Date) -> Result<()> {
-    let kept = keep(path, old, today)?;
-    write(path, new, Some(path))?;
-    notice(format_args!(
-        "{} is written; the old one is kept as {}",
-        path.display(),
-        kept.display()
-    ));
-    Ok(())
+    fn keep_and_write(&self, path: &Path, old: &[u8], new: &str, today: Date) -> Result<()> {
+        let kept = keep(path, old, today)?;
+        write(path, new, Some(path))?;
+        self.dialogue.result(format_args!(
+            "{} is written; the old one is kept as {}",
+            path.display(),
+            kept.display()
+        ));
+        Ok(())
+    }
 }
 
 /// The file that a rig calls `name`.
@@ -394,12 +409,15 @@ mod tests {
         std::fs::write(at("w.flock-field.toml"), &correction).unwrap();
 
         let rig = Rig::load(&at("w.toml")).unwrap();
+        let (telling, _heard) = crossbeam_channel::unbounded();
+        let never = (crossbeam_channel::never(), crossbeam_channel::never());
+        let dialogue = Dialogue::in_window(telling, never.0, never.1);
         let choose = |to: &str| {
             let args = SavingArgs {
                 output: Some(at(to)),
                 dry_run: false,
             };
-            Destination::choose(at("w.toml").to_str().unwrap(), &args, &rig)
+            Destination::choose(at("w.toml").to_str().unwrap(), &args, &rig, &dialogue)
         };
         let stylus = Calibrated::Stylus {
             sensor: rig.sensor("flock/2").unwrap(),

@@ -59,6 +59,7 @@ impl Steadiness {
 }
 
 /// A sensor as it was while it was held still.
+#[derive(Clone)]
 pub(super) struct Still {
     /// Its mean pose.
     pub(super) pose: Rigid,
@@ -122,14 +123,16 @@ impl Station {
     }
 
     fn wait_until_live(&self) -> Result<()> {
-        eprintln!("{}: starting", self.sensor.device);
+        self.dialogue
+            .remark(format_args!("{}: starting", self.sensor.device));
         let begun = self.clock.now();
         let mut waiting_since = None;
         loop {
             self.dialogue.pause(10 * PERIOD)?;
             let now = self.clock.now();
             let Err(problem) = self.live_at(now) else {
-                eprintln!("{} is live", self.sensor);
+                self.dialogue
+                    .remark(format_args!("{} is live", self.sensor));
                 return Ok(());
             };
             match self.waits_for() {
@@ -151,9 +154,8 @@ impl Station {
     }
 
     /// Ends the device's stream and closes its port.
-    pub(super) fn stop(self) -> Dialogue {
+    pub(super) fn stop(self) {
         self.devices.stop();
-        self.dialogue
     }
 
     /// Averages half a second of live poses from now on, and watches `point`, in the sensor's axes

@@ -6,7 +6,6 @@ use super::station::Station;
 use super::touching::touching_sensor;
 use crate::cli::CalibrateStylusArgs;
 use crate::exit::usage;
-use crate::notice::notice;
 use crate::rig;
 use anyhow::Result;
 use sandtable_calibration::{Pivot, pivot};
@@ -16,14 +15,14 @@ use std::time::Duration;
 /// A minute of the fastest tracker is as many poses as are read.
 const LONGEST: f64 = 60.0;
 
-pub(crate) fn run(args: &CalibrateStylusArgs) -> Result<()> {
+pub(super) fn run(args: &CalibrateStylusArgs, dialogue: &Dialogue) -> Result<()> {
     if !(args.seconds >= 1.0 && args.seconds <= LONGEST) {
         return Err(usage("--seconds must be from 1 to 60"));
     }
     let rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
     let sensor = touching_sensor(&rig, args.measuring.sensor.as_deref())?;
-    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig)?;
-    let station = Station::start(&rig, &sensor, Dialogue::open()?)?;
+    let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig, dialogue)?;
+    let station = Station::start(&rig, &sensor, dialogue.clone())?;
     let found = measure(
         &station,
         Duration::from_secs_f64(args.seconds),
@@ -43,61 +42,64 @@ fn measure(station: &Station, lasting: Duration, destination: &Destination) -> R
          {:.0} s; Enter ends it earlier; q ends all",
         lasting.as_secs_f64()
     );
+    let dialogue = &station.dialogue;
     loop {
-        ask_for_enter(station, &begin)?;
-        eprintln!("now");
+        ask_for_enter(dialogue, &begin)?;
+        dialogue.remark("now");
         let (poses, problem) = station.moving(lasting)?;
-        eprintln!("{} poses", poses.len());
+        dialogue.remark(format_args!("{} poses", poses.len()));
         if let Some(problem) = problem {
-            eprintln!("meanwhile: {problem}");
+            dialogue.remark(format_args!("meanwhile: {problem}"));
         }
         let found = match pivot(&poses) {
             Ok(found) => found,
             Err(problem) => {
-                eprintln!("again: {problem}");
+                dialogue.remark(format_args!("again: {problem}"));
                 continue;
             }
         };
-        show(&found);
+        show(&found, dialogue);
         let prompt = format!(
             "{}; again measures again; q ends without",
             destination.enter()
         );
         loop {
-            match station.dialogue.ask(&prompt)? {
+            match dialogue.ask(&prompt)? {
                 Answer::Enter => return Ok(found),
                 Answer::Quit => return Err(quit()),
                 Answer::Words(words) if words == "again" => break,
-                Answer::Words(words) => eprintln!("{words:?} means nothing here"),
+                Answer::Words(words) => {
+                    dialogue.remark(format_args!("{words:?} means nothing here"))
+                }
             }
         }
     }
 }
 
-fn ask_for_enter(station: &Station, prompt: &str) -> Result<()> {
+fn ask_for_enter(dialogue: &Dialogue, prompt: &str) -> Result<()> {
     loop {
-        match station.dialogue.ask(prompt)? {
+        match dialogue.ask(prompt)? {
             Answer::Enter => return Ok(()),
             Answer::Quit => return Err(quit()),
-            Answer::Words(words) => eprintln!("{words:?} means nothing here"),
+            Answer::Words(words) => dialogue.remark(format_args!("{words:?} means nothing here")),
         }
     }
 }
 
-fn show(found: &Pivot) {
+fn show(found: &Pivot, dialogue: &Dialogue) {
     let [x, y, z] = (1e3 * found.tip).to_array();
-    notice(format_args!(
+    dialogue.result(format_args!(
         "tip: {x:.1}, {y:.1}, {z:.1} mm in the sensor's axes, ± {:.2} mm",
         1e3 * found.standard_error
     ));
-    notice(format_args!(
+    dialogue.result(format_args!(
         "tilted by up to {:.0} degrees; the spot stayed within {:.2} mm RMS, {:.2} mm at worst",
         found.spread.to_degrees(),
         1e3 * found.residuals.rms,
         1e3 * found.residuals.each[found.residuals.worst]
     ));
     if !found.outliers.is_empty() {
-        notice(format_args!(
+        dialogue.result(format_args!(
             "note: {} of the poses disagree with all others: the tip slipped, or the field is \
              disturbed; measure again if the RMS is high",
             found.outliers.len()

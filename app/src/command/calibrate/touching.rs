@@ -1,6 +1,6 @@
 //! Marks, and the tip that touches them.
 
-use super::dialogue::{Answer, quit};
+use super::dialogue::{Answer, Dialogue, quit};
 use super::station::{Station, Steadiness, Still};
 use crate::exit::usage;
 use anyhow::Result;
@@ -19,14 +19,14 @@ pub(super) fn touching_sensor(rig: &Rig, asked: Option<&str>) -> Result<SensorNa
 }
 
 /// The tip in `sensor`'s own axes and metres; says so where it is the sensor itself.
-pub(super) fn tip(rig: &Rig, sensor: &SensorName) -> DVec3 {
+pub(super) fn tip(rig: &Rig, sensor: &SensorName, dialogue: &Dialogue) -> DVec3 {
     match &rig.stylus {
         Some(stylus) if stylus.sensor == *sensor => stylus.tip,
         _ => {
-            eprintln!(
+            dialogue.remark(format_args!(
                 "the rig knows no stylus tip on {sensor}: the sensor's own origin is what touches; \
                  `sandtable calibrate stylus` finds the tip"
-            );
+            ));
             DVec3::ZERO
         }
     }
@@ -34,6 +34,7 @@ pub(super) fn tip(rig: &Rig, sensor: &SensorName) -> DVec3 {
 
 /// A mark, and the sensor while the tip was on it; its point is the tip's place in the frame of the
 /// poses.
+#[derive(Clone)]
 pub(super) struct Touched<'m> {
     pub(super) mark: &'m Mark,
     pub(super) still: Still,
@@ -57,27 +58,28 @@ pub(super) fn touch_all<'m>(
 
 /// Has a mark touched, until the touch can be used; none where the mark is left out.
 pub(super) fn touch(station: &Station, tip: DVec3, mark: &Mark, of: &str) -> Result<Option<Still>> {
+    let dialogue = &station.dialogue;
     let [x, y, z] = (1e3 * mark.place).to_array();
     let prompt = format!(
         "{of}: touch \"{}\" (at {x:.0}, {y:.0}, {z:.0} mm), hold still, Enter; s leaves it out, q ends",
         mark.name
     );
     loop {
-        match station.dialogue.ask(&prompt)? {
+        match dialogue.ask_at(&prompt, Some(mark.place))? {
             Answer::Enter => {}
             Answer::Quit => return Err(quit()),
             Answer::Words(words) if words == "s" => return Ok(None),
             Answer::Words(words) => {
-                eprintln!("{words:?} means nothing here");
+                dialogue.remark(format_args!("{words:?} means nothing here"));
                 continue;
             }
         }
         match station.still(tip, Steadiness::TIP)? {
             Ok(still) => {
-                eprintln!("got it");
+                dialogue.remark("got it");
                 return Ok(Some(still));
             }
-            Err(problem) => eprintln!("again: {problem}"),
+            Err(problem) => dialogue.remark(format_args!("again: {problem}")),
         }
     }
 }
