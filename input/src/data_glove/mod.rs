@@ -10,11 +10,13 @@
 mod gesture_code;
 mod products;
 mod report;
+mod simulator;
 mod stream;
 
 pub use gesture_code::{gesture_code, gesture_name};
 pub use products::{VENDOR, products};
 pub use report::{REPORT_LENGTH, VALUES, encode_report, report_values};
+pub use simulator::{Motion, SimulatedDataGlove, SimulatorSettings};
 pub use stream::DataGloveStream;
 
 use crate::device_thread::DeviceThread;
