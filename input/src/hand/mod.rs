@@ -33,9 +33,11 @@
 //! ```
 
 mod calibration;
+mod finger;
 mod gesture;
 mod posture;
 
 pub use calibration::SensorCalibration;
+pub(crate) use finger::BentFinger;
 pub use gesture::{Gesture, GestureRecogniser};
 pub use posture::{FingerPosture, Posture};
