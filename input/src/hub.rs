@@ -33,12 +33,13 @@ struct Sensor {
     ahead: Duration,
     filter: Mutex<TrackerFilter>,
     poses: History<PoseSample, 512>,
-    buttons: History<ButtonsSample, 128>,
+    buttons: History<ButtonsSample, 512>,
     axes: History<AxesSample, 128>,
-    hands: History<(Nanos, HandState), 128>,
+    hands: History<(Nanos, HandState), 512>,
 }
 
-/// The newest samples of one kind, at most `N`: of poses, five seconds of a Flock's usual cycle.
+/// The newest samples of one kind, at most `N`: of poses, five seconds of a Flock's usual cycle, of
+/// hands, as many of a glove's.
 #[derive(Debug)]
 struct History<S, const N: usize>(Mutex<VecDeque<S>>);
 
@@ -170,9 +171,29 @@ impl Hub {
         let Some(sensor) = self.named(sensor) else {
             return Vec::new();
         };
-        let history = sensor.poses.lock();
-        let later = history.partition_point(|sample| sample.time <= from);
-        history.iter().skip(later).copied().collect()
+        sensor.poses.since(from, |sample| sample.time)
+    }
+
+    /// When each sample of a hand came after `from`, of those that are still known, the oldest
+    /// first.
+    #[must_use]
+    pub fn hands_since(&self, sensor: &SensorName, from: Nanos) -> Vec<Nanos> {
+        let Some(sensor) = self.named(sensor) else {
+            return Vec::new();
+        };
+        let samples = sensor.hands.since(from, |(time, _)| *time);
+        samples.into_iter().map(|(time, _)| time).collect()
+    }
+
+    /// When each sample of buttons came after `from`, of those that are still known, the oldest
+    /// first.
+    #[must_use]
+    pub fn buttons_since(&self, sensor: &SensorName, from: Nanos) -> Vec<Nanos> {
+        let Some(sensor) = self.named(sensor) else {
+            return Vec::new();
+        };
+        let samples = sensor.buttons.since(from, |sample| sample.time);
+        samples.into_iter().map(|sample| sample.time).collect()
     }
 
     /// Where the sensor will be when a picture that is begun at `now` is on the glass, smoothed and
@@ -306,6 +327,13 @@ impl<S: Copy, const N: usize> History<S, N> {
             history.pop_front();
         }
         history.push_back(sample);
+    }
+
+    /// All samples of after `from`, the oldest first.
+    fn since(&self, from: Nanos, time_of: impl Fn(&S) -> Nanos) -> Vec<S> {
+        let history = self.lock();
+        let later = history.partition_point(|sample| time_of(sample) <= from);
+        history.iter().skip(later).copied().collect()
     }
 
     /// The newest sample of at or before `time`.
@@ -476,6 +504,9 @@ mod tests {
         );
         assert_eq!(hub.hand_at(&head(), time(9)), None);
         assert_eq!(hub.hand_at(&head(), time(10)), Some(hand));
+        assert_eq!(hub.buttons_since(&head(), time(10)), [time(20)]);
+        assert_eq!(hub.hands_since(&head(), time(9)), [time(10)]);
+        assert_eq!(hub.hands_since(&head(), time(10)), []);
         hub.clear();
         assert_eq!((at(1000), hub.hand_at(&head(), time(10))), (None, None));
     }

@@ -4,6 +4,7 @@ use crate::program::{Folder, Running, sandtable, wait_for};
 use crate::simulate::Simulated;
 use sandtable_input::pinch::ContactGroups;
 use sandtable_input::{Fingers, Replay, Sample};
+use serde_json::Value;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
@@ -189,3 +190,90 @@ fn a_line_that_loses_bytes_lets_go_and_invents_nothing() {
 
 /// What the motion `grab` joins.
 const THREE: Fingers = Fingers(0b00111);
+
+/// What `doctor --json` says of the only device of rig.toml.
+fn examined(folder: &Folder, ports: &str) -> Value {
+    let said = folder.run(&format!("doctor --json --rig rig.toml{ports}"));
+    let report: Value = serde_json::from_str(&said.done().out).expect("JSON");
+    report["devices"]["found"][0].clone()
+}
+
+#[test]
+fn the_doctor_tells_how_often_a_gloves_hand_comes() {
+    let folder = Folder::new();
+    let glove = Simulated::start(&folder, "glove", "--rate 80 --vrpn 127.0.0.1:0");
+    folder.write(
+        "rig.toml",
+        format!(
+            "name = 'gloves'\n[camera]\n[devices.glove]\nkind = 'vrpn'\naddress = 'glove@{}'\n\
+             fingers = {{ thumb = 0, index = 1, middle = 2, ring = 3, little = 4 }}\n\
+             table_from_tracker = {{ translation = [0.0, 0.0, 0.0] }}\n",
+            glove.path.display()
+        ),
+    );
+    let found = examined(&folder, "");
+    assert_eq!(found["condition"], "streaming", "{found}");
+    let sensor = &found["sensors"][0];
+    assert_eq!(sensor.get("poses"), None, "{sensor}");
+    let rate = sensor["hands"]["rate_hz"].as_f64().expect("a rate");
+    assert!((60.0..90.0).contains(&rate), "{sensor}");
+    assert!(sensor["hands"]["jitter_ms"].as_f64().is_some(), "{sensor}");
+
+    let _pinch = Simulated::start(&folder, "pinch", "--link pinch");
+    folder.write("rig.toml", PINCH);
+    let found = examined(&folder, " --device pinch=pinch");
+    assert_eq!(found["condition"], "streaming", "{found}");
+    for hand in 0..2 {
+        let sensor = &found["sensors"][hand];
+        // A change each 600 ms, for two seconds.
+        let hands = sensor["hands"]["samples"].as_u64().expect("a count");
+        assert!((1..=5).contains(&hands), "{sensor}");
+        assert_eq!(sensor.get("poses"), None, "{sensor}");
+    }
+}
+
+#[test]
+fn simulated_devices_on_a_line_are_offered_by_vrpn_too() {
+    let folder = Folder::new();
+    let pinch = Simulated::start(&folder, "pinch", "--motion grab --vrpn 127.0.0.1:0");
+    let table = "table_from_tracker = { translation = [0.0, 0.0, 0.0] }";
+    let rig = |sender: &str, address: &std::path::Path, lines: &str| {
+        let address = address.display();
+        format!(
+            "name = 'gloves'\n[camera]\n[devices.far]\nkind = 'vrpn'\n\
+             address = '{sender}@{address}'\n{lines}\n{table}\n"
+        )
+    };
+    let touching = "touching = { thumb = 0, index = 1, middle = 2, ring = 3, little = 4 }";
+    let right = rig("pinch/2", &pinch.path, touching);
+    record(&folder, &right, "far", "", "a.mcap", || {
+        // The driver's start takes a second and a half, and a grab comes every two.
+        std::thread::sleep(std::time::Duration::from_millis(5000));
+    });
+    let replay = Replay::open(&folder.file("a.mcap")).expect("a recording");
+    let thumb = |sample: &Sample| match sample {
+        Sample::Hand(hand) => hand.hand.contacts.map(|contacts| contacts.own[0]),
+        _ => None,
+    };
+    let thumbs: Vec<Fingers> = replay.samples("far").iter().filter_map(thumb).collect();
+    let grab = THREE.without(Fingers::THUMB);
+    assert!(thumbs.contains(&grab), "{thumbs:?}");
+    let known = |fingers: &Fingers| [NONE, Fingers::INDEX, grab].contains(fingers);
+    assert!(thumbs.iter().all(known), "{thumbs:?}");
+    drop(pinch);
+
+    let arguments = "--birds 1 --hold 12,3,-5,0,0,0 --vrpn 127.0.0.1:0";
+    let flock = Simulated::start(&folder, "flock", arguments);
+    let head = rig("flock", &flock.path, "");
+    record(&folder, &head, "far", "", "b.mcap", || {
+        // A Flock's start takes three seconds.
+        std::thread::sleep(std::time::Duration::from_millis(5000));
+    });
+    let replay = Replay::open(&folder.file("b.mcap")).expect("a recording");
+    let samples = replay.samples("far");
+    let pose = samples.iter().find_map(Sample::pose).expect("a pose");
+    // In the workbench's frame the transmitter's x points away and its z down.
+    let place = pose.table_from_sensor.translation / 0.0254;
+    let off = [place.x - 3.0, place.y - 12.0, place.z - 5.0 + 0.3 / 0.0254];
+    assert!(off.iter().all(|off| off.abs() < 0.03), "{place}");
+}
