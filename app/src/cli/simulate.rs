@@ -121,9 +121,10 @@ pub(crate) enum GloveHand {
     echo 'L:thumb+index, R:thumb+middle' | sandtable simulate pinch --steer"
 )]
 pub(crate) struct SimulatePinchArgs {
-    /// What the fingers do: open, pinch, grab (the right hand, by turns), or play (both, by chance).
-    #[arg(long, value_name = "MOTION", default_value = "play")]
-    pub(crate) motion: String,
+    /// What the fingers do: open, pinch, grab (the right hand, by turns), or play (both, by chance);
+    /// without a word play, or open where they are steered.
+    #[arg(long, value_name = "MOTION")]
+    pub(crate) motion: Option<String>,
 
     /// Touch what the PINCH gloves of this recording touched, again and again.
     #[arg(long, value_name = "FILE", conflicts_with = "motion")]

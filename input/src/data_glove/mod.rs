@@ -4,6 +4,8 @@
 //! report (64 bytes) --values--> raw, 12 bits --SensorCalibration--> Flexion --Sample--> hub
 //! ```
 //!
+//! The simulator makes reports from a motion, as a glove would.
+//!
 //! What is known of the reports comes from one open driver that was tested with five sensors, and
 //! from the maker's manual; the rig's settings cover where they may be wrong.
 

@@ -100,7 +100,7 @@ fn reports(cut: u8, usual: usize, bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     let length = if cut < 192 {
         usual
     } else {
-        usize::from(cut - 191)
+        2 * usize::from(cut - 191)
     };
     bytes.chunks(length)
 }

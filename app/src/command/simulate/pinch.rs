@@ -11,18 +11,11 @@ use sandtable_input::{Fingers, Replay};
 use std::path::Path;
 
 pub(super) fn run(args: &SimulatePinchArgs) -> Result<()> {
-    let named = Motion::named(&args.motion).ok_or_else(|| {
-        let known = Motion::NAMES.join(", ");
-        usage(format!(
-            "no motion is called {:?}: use one of {known}",
-            args.motion
-        ))
-    })?;
-    let motion = match &args.from {
-        Some(path) => recorded(path)?,
-        // What is steered rests until then.
-        None if args.steer => Motion::Open,
-        None => named,
+    let motion = match (&args.from, &args.motion) {
+        (Some(path), _) => recorded(path)?,
+        (None, Some(name)) => named(name)?,
+        (None, None) if args.steer => Motion::Open,
+        (None, None) => named("play")?,
     };
     let gloves = [GloveHand::Left, GloveHand::Right].map(|hand| !args.without.contains(&hand));
     let pinch = SimulatedPinch::new(SimulatorSettings {
@@ -51,6 +44,13 @@ pub(super) fn run(args: &SimulatePinchArgs) -> Result<()> {
         })
     });
     line::run(pinch, &args.line, &what, |port| rig(args, port), steering)
+}
+
+fn named(name: &str) -> Result<Motion> {
+    Motion::named(name).ok_or_else(|| {
+        let known = Motion::NAMES.join(", ");
+        usage(format!("no motion is called {name:?}: use one of {known}"))
+    })
 }
 
 /// A rig with this box at `port`, and nothing else.
