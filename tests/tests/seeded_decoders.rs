@@ -3,6 +3,7 @@
 //! `SANDTABLE_INPUTS=10000000 cargo test --release -p sandtable-tests --test seeded_decoders` is the
 //! long run; without it there are enough to notice a decoder that has come to panic.
 
+use glam::{DQuat, DVec3};
 use sandtable_config::{Device, Rig};
 use sandtable_input::data_glove::{self, SimulatedDataGlove};
 use sandtable_input::flock::{SimulatedFlock, SimulatorSettings};
@@ -84,20 +85,23 @@ fn hid_glove_bytes() -> Vec<u8> {
     (0..=255).flat_map(report).collect()
 }
 
-/// What a VRPN server says of a tracker, buttons and channels, behind its descriptions.
-fn vrpn_bytes() -> Vec<u8> {
+/// What a VRPN server says of a tracker, buttons and channels, without its descriptions. Some of it
+/// is no pose and no number.
+fn vrpn_messages() -> Real {
     let mut server = Connection::new(["T", "B", "Other"]);
     server.receive(&COOKIE).expect("a cookie");
     server.sent(server.outgoing().len());
-    let stamp = Stamp::default();
+    let mut starts = Vec::new();
     for step in 0..40 {
         let bent = f64::from(step) / 40.0;
+        let odd = [f64::NAN, f64::INFINITY, 1e300][step as usize % 3];
         let pose = TrackerPose {
             sensor: step % 3,
-            position: glam::DVec3::new(0.1 * bent, 0.2, 0.3),
-            rotation: glam::DQuat::from_rotation_z(bent),
+            position: DVec3::new(0.1 * bent, if step % 10 == 9 { odd } else { 0.2 }, 0.3),
+            rotation: DQuat::from_rotation_z(bent) * if step % 10 == 4 { odd } else { 1.0 },
         };
-        let channels = [bent, 0.5, 1.0 - bent, bent, -bent].map(f64::to_be_bytes);
+        let last = if step % 5 == 2 { odd } else { -bent };
+        let channels = [bent, 0.5, 1.0 - bent, bent, last].map(f64::to_be_bytes);
         let states = [step & 1, step >> 1 & 1, 0].map(i32::to_be_bytes);
         let change = Report::ButtonChange {
             button: step % 5,
@@ -110,25 +114,42 @@ fn vrpn_bytes() -> Vec<u8> {
             (1, change),
             (2, Report::Pong),
         ] {
+            starts.push(server.outgoing().len());
+            let stamp = Stamp::default();
             server.report(sender, stamp, &report).expect("room");
         }
     }
-    server.outgoing().to_vec()
+    Real {
+        starts,
+        ..Real::new(server.outgoing().to_vec())
+    }
 }
 
-/// Frames of a DTrack controller, each with a zero behind it.
-fn dtrack_bytes() -> Vec<u8> {
+/// Frames of a DTrack controller, each with a zero behind it. Some numbers are none.
+fn dtrack_frames() -> Real {
     let unit = "[1 0 0 0 1 0 0 0 1]";
-    let frame = |n: u32| {
+    let frame = |n: usize| {
+        let odd = |every: usize| match n % every {
+            1 => ["nan", "inf", "1e999", "-"][n % 4],
+            _ => "0.5",
+        };
+        let (x, axis) = (odd(5), odd(3));
         format!(
-            "fr {n}\r\nts 39596.0248\r\n6dcal 2\r\n6d 2 [0 1.000][{n}.5 -187.2 109.5 0 0 0]{unit} \
-             [1 0.9][1 2 3 0 0 0][-0.940508 -0.339238 -0.019025 0.333599 -0.932599 0.137735 \
-             -0.064467 0.123194 0.990286]\r\n6df2 1 1 [0 1.000 6 2][1000 2000 -{n}]{unit}\
-             [{} -0.50 1.00]\r\n\0",
+            "fr {n}\r\n6d 2 [0 1.000][{x} -187.2 109.5 0 0 0]{unit} [1 0.9][1 2 {n} 0 0 0]{unit}\r\n\
+             6df2 1 1 [0 1.000 6 2][1000 2000 -{n}]{unit}[{} -0.50 {axis}]\r\n\0",
             n % 64
         )
     };
-    (1..20).flat_map(|n| frame(n).into_bytes()).collect()
+    let mut bytes = Vec::new();
+    let mut starts = Vec::new();
+    for n in 1..40 {
+        starts.push(bytes.len());
+        bytes.extend(frame(n).into_bytes());
+    }
+    Real {
+        starts,
+        ..Real::new(bytes)
+    }
 }
 
 /// A recording of a Flock and PINCH gloves, in front of it what says that it is the file itself.
@@ -159,7 +180,9 @@ fn recorded_messages() -> Vec<u8> {
         data_glove_bytes(),
         hid_glove_bytes(),
     ];
-    let devices = devices.into_iter().chain([vrpn_bytes(), dtrack_bytes()]);
+    let devices = devices
+        .into_iter()
+        .chain([vrpn_messages().bytes, dtrack_frames().bytes]);
     for (topic, device) in (0..).zip(devices) {
         for read in device.chunks(64).take(8) {
             bytes.extend([topic, 2, read.len() as u8]);
@@ -179,8 +202,8 @@ fn recorded_messages() -> Vec<u8> {
 /// What a decoder is fed with, altered here and there.
 struct Real {
     bytes: Vec<u8>,
-    /// Inputs begin at multiples of this.
-    stride: usize,
+    /// Where inputs begin.
+    starts: Vec<usize>,
     /// The most of it in one input.
     longest: usize,
     /// Two bytes of the input's own come first, by which the decoder chooses.
@@ -190,8 +213,8 @@ struct Real {
 impl Real {
     fn new(bytes: Vec<u8>) -> Self {
         Self {
+            starts: (0..bytes.len()).collect(),
             bytes,
-            stride: 1,
             longest: 300,
             choice: true,
         }
@@ -204,7 +227,7 @@ impl Real {
         if random.below(4) == 0 {
             return (0..length.min(300)).map(|_| random.next() as u8).collect();
         }
-        let from = self.stride * random.below(self.bytes.len().div_ceil(self.stride));
+        let from = self.starts[random.below(self.starts.len())];
         let mut bytes = Vec::new();
         if self.choice {
             bytes.extend([random.next() as u8, random.next() as u8]);
@@ -251,7 +274,7 @@ fn run(name: &str, decoder: Decoder, real: &Real, inputs: u64) {
 /// Real reports of one length, which inputs begin with.
 fn reports(bytes: Vec<u8>, length: usize) -> Real {
     Real {
-        stride: length,
+        starts: (0..bytes.len()).step_by(length).collect(),
         ..Real::new(bytes)
     }
 }
@@ -262,7 +285,7 @@ fn recordings() -> Vec<Real> {
     let messages = recorded_messages();
     vec![
         Real {
-            stride: file.len(),
+            starts: vec![0],
             longest: 2 * file.len(),
             choice: false,
             bytes: file,
@@ -285,8 +308,8 @@ fn no_input_makes_a_decoder_panic_or_hang() {
             "pinch" => (vec![Real::new(pinch_bytes())], 1),
             "data_glove" => (vec![reports(data_glove_bytes(), 64)], 1),
             "hid_glove" => (vec![reports(hid_glove_bytes(), 9)], 1),
-            "vrpn" => (vec![Real::new(vrpn_bytes())], 1),
-            "dtrack" => (vec![Real::new(dtrack_bytes())], 1),
+            "vrpn" => (vec![vrpn_messages()], 1),
+            "dtrack" => (vec![dtrack_frames()], 1),
             // A file has to be written for each.
             "recording" => (recordings(), 20),
             // A whole text takes a thousand times as long as a record.
