@@ -2,11 +2,12 @@
 
 use crate::session::{Session, summit};
 use crate::tape::{self, Tape};
-use crate::window::{Activity, Device, Drive, Readings, Show, Wish};
+use crate::window::{Activity, Advanced, Device, Drive, Readings, Show, Wish};
 use glam::DVec3;
 use sandtable_audio::{Control, Output, Playback};
 use sandtable_cast::PreparedScene;
-use sandtable_input::{Clock, Condition, Devices, Gamepads, Replay, map_gamepad};
+use sandtable_input::intent::{DeskState, IntentState};
+use sandtable_input::{Clock, Condition, Devices, Gamepads, Replay};
 use sandtable_pose::Nanos;
 use sandtable_view::View;
 use std::sync::Arc;
@@ -41,6 +42,8 @@ pub(crate) struct Live {
     session: Session,
     timeline: Timeline,
     gamepads: Option<Gamepads>,
+    /// What people meant last.
+    intents: IntentState,
     sound: Option<(Control, Output)>,
     summit: DVec3,
 }
@@ -59,6 +62,7 @@ impl Live {
             session,
             timeline,
             gamepads,
+            intents: IntentState::default(),
             sound,
             summit,
         }
@@ -76,7 +80,7 @@ impl Live {
     }
 
     /// Shows what a replay has come to; at its end it begins anew or stays.
-    fn recall(&mut self, now: Instant) {
+    fn recall(&mut self, desk: &DeskState, now: Instant) {
         let Timeline::Replayed {
             replay,
             begun,
@@ -94,27 +98,24 @@ impl Live {
             replay.rewind();
             self.session.hub().clear();
         }
-        if let Err(error) = tape::recall(replay, &mut self.session, time) {
-            self.session.say(format!("{error:#}"));
+        match tape::recall(replay, &mut self.session, time, desk) {
+            Ok(intents) => self.intents = intents,
+            Err(error) => self.session.say(format!("{error:#}")),
         }
     }
 }
 
 impl Show for Live {
-    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity {
-        let mut drive = *drive;
-        let pad = self.gamepads.as_mut().and_then(Gamepads::poll);
-        if let Some(pad) = &pad {
-            let axes = map_gamepad(pad, &self.session.rig().gamepad);
-            drive.axes = drive.axes.combined(axes);
-        }
+    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Advanced {
+        let mut desk = drive.desk.clone();
+        desk.gamepad = self.gamepads.as_mut().and_then(Gamepads::poll);
         // A gamepad has no event that would wake the window: while one is there, it is asked.
-        let mut moving = self.session.drive(&drive, step) || pad.is_some();
-        moving |= self.session.settle_caster();
+        let mut moving = desk.gamepad.is_some() || self.session.settle_caster();
         match &mut self.timeline {
             Timeline::Live { clock, tape, .. } => {
                 let time = clock.now();
-                self.session.set_time(time);
+                self.intents = self.session.take_in(time, &desk);
+                moving |= self.session.drive(&self.intents, &drive.mouse, step);
                 moving |= !self.session.rig().devices.is_empty();
                 if let Some(tape) = tape
                     && let Err(error) = tape.follow(&self.session, time)
@@ -123,17 +124,22 @@ impl Show for Live {
                 }
             }
             Timeline::Replayed { .. } => {
-                self.recall(now);
+                // What was recorded comes last: it is what is shown.
+                self.session.drive(&self.intents, &drive.mouse, step);
+                self.recall(&desk, now);
                 moving = true;
             }
         }
+        moving |= self.intents.is_active();
         if let Some((control, _)) = &mut self.sound {
             control.set(self.session.soundscape(self.summit));
         }
-        if moving {
-            Activity::Moving
-        } else {
-            Activity::Still
+        Advanced {
+            activity: match moving {
+                true => Activity::Moving,
+                false => Activity::Still,
+            },
+            intents: self.intents,
         }
     }
 
@@ -182,6 +188,15 @@ impl Show for Live {
             });
         }
         readings
+    }
+
+    fn bindings(&self) -> Vec<(String, String)> {
+        let intents = self.session.rig().intents.iter();
+        let words = intents.map(|(intent, sources)| {
+            let sources: Vec<String> = sources.iter().map(ToString::to_string).collect();
+            (intent.meaning().to_owned(), sources.join(", "))
+        });
+        words.collect()
     }
 
     fn apply(&mut self, wish: Wish) {

@@ -46,6 +46,7 @@ pub(crate) fn calibration_age(rig: &Rig, today: Date) -> Option<String> {
     let mut parts: Vec<String> = rig
         .devices
         .iter()
+        .filter(|(_, device)| device.has_poses())
         .map(|(name, device)| format!("{name} {}", age(device.calibrated())))
         .collect();
     if let Some(head) = &rig.head {
@@ -64,10 +65,13 @@ mod tests {
         let day = |day| Date::from_calendar_date(2026, Month::November, day).unwrap();
         let workbench = Rig::builtin_text("workbench").unwrap();
         let told = |entry: &str, today| {
-            let text = workbench.replace("axes = [\"+y\", \"+x\", \"-z\"] }\n\n[flight]", entry);
+            let glove = "[devices.pinch]\nkind = \"pinch\"\nport = \"/dev/ttyS0\"\n";
+            let frame = "translation = [0.0, 0.0, -0.30], axes = [\"+y\", \"+x\", \"-z\"] }";
+            assert!(workbench.contains(frame));
+            let text = format!("{}\n{glove}", workbench.replace(frame, entry));
             calibration_age(&Rig::parse(&text, "w.toml").unwrap(), today).unwrap()
         };
-        let measured = "calibrated = 2026-11-09 }\n\n[flight]";
+        let measured = "translation = [0.0, 0.0, -0.3], calibrated = 2026-11-09 }";
         for (today, age) in [
             (9, "today"),
             (10, "yesterday"),

@@ -5,6 +5,7 @@ use crate::navigation::FlyCamera;
 use crate::session::{Session, Viewpoint};
 use anyhow::{Context, Result};
 use glam::DVec3;
+use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_input::{Recorder, Replay};
 use sandtable_pose::{Nanos, Rigid};
 use sandtable_view::{Attitude, Placement};
@@ -153,8 +154,14 @@ pub(crate) fn terrain(replay: &Replay, given: &TerrainArgs) -> Result<TerrainArg
     })
 }
 
-/// Puts `session` where it was at `time`: its placement or camera, head and hand.
-pub(crate) fn recall(replay: &mut Replay, session: &mut Session, time: Nanos) -> Result<()> {
+/// Puts `session` where it was at `time`: its placement or camera, head and hand. Gives what people
+/// mean, then by their devices and now by what is pressed at the desk.
+pub(crate) fn recall(
+    replay: &mut Replay,
+    session: &mut Session,
+    time: Nanos,
+    desk: &DeskState,
+) -> Result<IntentState> {
     replay.advance_to(time, session.hub());
     if let Some(value) = newest(
         replay.values(sandtable_input::recording::PLACEMENT_TOPIC),
@@ -172,7 +179,7 @@ pub(crate) fn recall(replay: &mut Replay, session: &mut Session, time: Nanos) ->
             camera.attitude = recorded.attitude;
         }
     }
-    session.set_time(time);
+    let intents = session.take_in(time, desk);
     for (topic, body) in BODY_TOPICS.into_iter().zip(session.bodies_mut()) {
         if let Some(value) = newest(replay.values(topic), time) {
             let table_from_body = Rigid::deserialize(value)
@@ -180,7 +187,7 @@ pub(crate) fn recall(replay: &mut Replay, session: &mut Session, time: Nanos) ->
             body.rest_at(table_from_body);
         }
     }
-    Ok(())
+    Ok(intents)
 }
 
 /// The newest value at or before `time`.

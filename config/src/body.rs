@@ -54,6 +54,8 @@ pub struct Hand {
     pub sensor: Option<SensorName>,
     /// `table_from_sensor` while nothing tracks it, in table metres.
     pub rest: Rigid,
+    /// The unit vector in which it points, in the sensor's own axes; x without a word in the rig.
+    pub forward: DVec3,
 }
 
 pub(crate) fn read_head(
@@ -87,9 +89,25 @@ pub(crate) fn read_hand(
             .map(|value| sensor(&value))
             .transpose()?,
         rest: read_rest(&fields)?,
+        forward: match fields.get("forward") {
+            Some(value) => read_direction(&value)?,
+            None => DVec3::X,
+        },
     };
     fields.finish()?;
     Ok(hand)
+}
+
+/// A unit vector.
+fn read_direction(value: &Value<'_>) -> Result<DVec3, RigError> {
+    let direction = DVec3::from_array(value.numbers::<3>(-1.0..=1.0, "")?);
+    if (direction.length() - 1.0).abs() > 0.01 {
+        return Err(value.error(
+            &format!("has length {:.3}", direction.length()),
+            "write a direction of length 1",
+        ));
+    }
+    Ok(direction.normalize())
 }
 
 fn read_rest(fields: &Fields<'_>) -> Result<Rigid, RigError> {
@@ -109,13 +127,7 @@ fn read_eyes(value: &Value<'_>) -> Result<Eyes, RigError> {
         "rightwards",
         "write the direction from the left to the right eye in the sensor's axes",
     )?;
-    let rightwards = DVec3::from_array(rightwards_value.numbers::<3>(-1.0..=1.0, "")?);
-    if (rightwards.length() - 1.0).abs() > 0.01 {
-        return Err(rightwards_value.error(
-            &format!("has length {:.3}", rightwards.length()),
-            "write a direction of length 1",
-        ));
-    }
+    let rightwards = read_direction(&rightwards_value)?;
     let interpupillary = match fields.get("interpupillary") {
         // 54 to 74 mm covers adults; nothing beyond helps, and zero is mono.
         Some(value) => value.number(0.0..=0.1, "metres")?,
@@ -125,7 +137,7 @@ fn read_eyes(value: &Value<'_>) -> Result<Eyes, RigError> {
     fields.finish()?;
     Ok(Eyes {
         middle: DVec3::from_array(middle),
-        rightwards: rightwards.normalize(),
+        rightwards,
         interpupillary,
         calibrated,
     })

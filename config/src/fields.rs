@@ -307,6 +307,13 @@ impl<'a> Value<'a> {
         let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
         let list = or_list(&words);
         let text = self.text(&format!("one of {list}"))?;
+        self.word(text, choices)
+    }
+
+    /// The meaning of `text`, a word of this value that is one of `choices`.
+    pub(crate) fn word<T: Copy>(&self, text: &str, choices: &[(&str, T)]) -> Result<T, RigError> {
+        let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
+        let list = or_list(&words);
         if let Some((_, meaning)) = choices.iter().find(|(word, _)| *word == text) {
             return Ok(*meaning);
         }

@@ -1,7 +1,7 @@
 //! Config: what stands at this desk or table, in one typed rig file.
 //!
 //! ```text
-//! rig.toml --Rig::load--> Rig { viewing, stereo, head, hand, devices, flight, gamepad }
+//! rig.toml --Rig::load--> Rig { viewing, stereo, head, hand, devices, intents, flight, gamepad }
 //! ```
 //!
 //! Lengths are metres and rotations unit quaternions once read; degrees, inches and axis names end
@@ -29,6 +29,7 @@ mod controls;
 mod device;
 mod error;
 mod fields;
+mod intents;
 mod marks;
 mod rig;
 mod rigid;
@@ -39,13 +40,17 @@ mod viewing;
 
 pub use body::{Eyes, Hand, Head, SensorName};
 pub use calibrated::Calibrated;
-pub use controls::{Flight, GamepadAxes, GamepadAxis, GamepadMapping, GamepadSource};
+pub use controls::{Flight, Gamepad};
 pub use device::{
     Addressing, AxisMap, ByteOrder, Confirm, DataGlove, Device, Dtrack, Flock, FlockMode, Gestures,
     Hemisphere, HidAddress, HidBit, HidField, HidFinger, HidGlove, Pinch, QuaternionSign, Range,
     RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnFinger, VrpnGlove, VrpnPart,
 };
 pub use error::RigError;
+pub use intents::{
+    GamepadPart, Gesture, Intent, IntentKind, Intents, MouseButton, Part, Source, Touch,
+};
+pub use keyboard_types::Code as KeyCode;
 pub use marks::{Mark, load_marks};
 pub use rig::Rig;
 pub use sensor::SensorSettings;

@@ -4,11 +4,12 @@ use crate::body::{read_hand, read_head};
 use crate::controls::{read_flight, read_gamepad};
 use crate::device::{port_remedy, read_device};
 use crate::fields::{Fields, Source, Value, nearest};
+use crate::intents::{Intents, read_intents};
 use crate::sensor::{SensorSettings, read_sensor_settings};
 use crate::stylus::{Stylus, read_stylus};
 use crate::text_file::read_text;
 use crate::viewing::{read_stereo, read_viewing};
-use crate::{Device, Flight, GamepadMapping, Hand, Head, RigError, SensorName, Stereo, Viewing};
+use crate::{Device, Flight, Gamepad, Hand, Head, RigError, SensorName, Stereo, Viewing};
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::de::DeTable;
@@ -34,8 +35,10 @@ pub struct Rig {
     pub sensors: BTreeMap<SensorName, SensorSettings>,
     /// How fast one flies.
     pub flight: Flight,
-    /// What the gamepad's sticks mean.
-    pub gamepad: GamepadMapping,
+    /// How a gamepad's sticks are read.
+    pub gamepad: Gamepad,
+    /// What people mean by keys, buttons, sticks and gestures.
+    pub intents: Intents,
     text: String,
 }
 
@@ -93,7 +96,8 @@ impl Rig {
             .transpose()?;
         let sensors = read_sensors(&root, &devices)?;
         let flight = read_flight(&root)?;
-        let gamepad = read_gamepad(&root)?;
+        let (gamepad, gamepad_axes) = read_gamepad(&root)?;
+        let intents = read_intents(&root, &devices, &gamepad_axes)?;
         root.finish()?;
         Ok(Self {
             name,
@@ -106,6 +110,7 @@ impl Rig {
             sensors,
             flight,
             gamepad,
+            intents,
             text: text.to_owned(),
         })
     }

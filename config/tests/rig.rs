@@ -6,7 +6,7 @@
 
 use glam::{DQuat, DVec3};
 use sandtable_config::{
-    Device, GamepadAxis, Hemisphere, Measure, Range, Rig, RigError, StereoMode, Viewing,
+    Device, Hemisphere, Intents, Measure, Range, Rig, RigError, StereoMode, Viewing,
 };
 use sandtable_motion::{Derivative, OneEuroSettings, Prediction, Smoothing};
 use std::path::Path;
@@ -58,7 +58,9 @@ fn the_desktop_needs_no_device() {
     let rig = Rig::builtin("desktop").unwrap();
     assert!(matches!(&rig.viewing, Viewing::Desktop(d) if d.horizontal_fov == 60.0));
     assert!(rig.devices.is_empty() && rig.head.is_none());
-    assert_eq!(rig.gamepad.axes.up.unwrap().axis, GamepadAxis::Triggers);
+    // What the file writes down is what stands without a word.
+    assert_eq!(rig.intents, Intents::default());
+    assert_eq!(rig.gamepad.dead_zone, 0.15);
     assert_eq!(rig.flight.speed, Measure::Share(0.1));
 }
 
@@ -224,6 +226,11 @@ fn each_error_names_file_line_key_and_remedy() {
             "[flihgt]",
             &["flihgt", "did you mean `flight`?"],
         ),
+        (
+            "forward = [1.0, 0.0, 0.0]",
+            "forward = [1.0, 1.0, 0.0]",
+            &["hand.forward", "length 1.414"],
+        ),
         ("[head]", "[camera]\n[head]", &["table", "keep [camera]"]),
         (
             "kind = \"flock-of-birds\"",
@@ -237,7 +244,7 @@ fn each_error_names_file_line_key_and_remedy() {
         ),
         (
             "dead_zone = 0.15",
-            "dead_zone = 0.15\nright = \"left-stick\"",
+            "dead_zone = 0.15\nright = \"left-stik-x\"",
             &["gamepad.right", "left-stick-x"],
         ),
         ("name = \"workbench\"", "", &["`name`", "is missing"]),

@@ -18,19 +18,3 @@ pub struct FlightAxes {
     /// Right wing down positive.
     pub roll: f64,
 }
-
-impl FlightAxes {
-    /// The sum of several devices' wishes, each axis kept within −1 to 1.
-    #[must_use]
-    pub fn combined(self, other: Self) -> Self {
-        let sum = |a: f64, b: f64| (a + b).clamp(-1.0, 1.0);
-        Self {
-            right: sum(self.right, other.right),
-            forward: sum(self.forward, other.forward),
-            up: sum(self.up, other.up),
-            yaw: sum(self.yaw, other.yaw),
-            pitch: sum(self.pitch, other.pitch),
-            roll: sum(self.roll, other.roll),
-        }
-    }
-}

@@ -1,8 +1,7 @@
-//! Gamepads: what is pushed how far, and what that asks of the flight.
+//! Gamepads: what is pushed, and how far.
 
-use crate::FlightAxes;
 use gilrs::{Axis, Button, GamepadId, Gilrs};
-use sandtable_config::{GamepadAxis, GamepadMapping, GamepadSource};
+use sandtable_config::GamepadPart;
 
 /// What is pushed on a gamepad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,41 +16,43 @@ pub struct GamepadState {
     pub shoulders: [bool; 2],
     /// The direction pad: right and up positive, −1, 0 or 1.
     pub d_pad: [f64; 2],
+    /// The lowest, the rightmost, the uppermost and the leftmost of the four buttons.
+    pub buttons: [bool; 4],
+    /// The left and the right stick, pressed.
+    pub sticks: [bool; 2],
+    /// The buttons left and right of the middle.
+    pub select_start: [bool; 2],
 }
 
-/// What the sticks ask of the flight. A state without numbers asks nothing.
-#[must_use]
-pub fn map_gamepad(state: &GamepadState, mapping: &GamepadMapping) -> FlightAxes {
-    let dead = mapping.dead_zone;
-    let [left_x, left_y] = round_dead_zone(state.left_stick, dead);
-    let [right_x, right_y] = round_dead_zone(state.right_stick, dead);
-    let [left_trigger, right_trigger] = state.triggers.map(|t| straight_dead_zone(t, dead));
-    let [left_shoulder, right_shoulder] = state.shoulders.map(|down| f64::from(u8::from(down)));
-    let [d_pad_x, d_pad_y] = state.d_pad.map(finite);
-    let value = |source: Option<GamepadSource>| {
-        let Some(GamepadSource { axis, inverted }) = source else {
-            return 0.0;
-        };
-        let value = match axis {
-            GamepadAxis::LeftStickX => left_x,
-            GamepadAxis::LeftStickY => left_y,
-            GamepadAxis::RightStickX => right_x,
-            GamepadAxis::RightStickY => right_y,
-            GamepadAxis::Triggers => right_trigger - left_trigger,
-            GamepadAxis::Shoulders => right_shoulder - left_shoulder,
-            GamepadAxis::DPadX => d_pad_x,
-            GamepadAxis::DPadY => d_pad_y,
-        };
-        if inverted { -value } else { value }
-    };
-    let axes = mapping.axes;
-    FlightAxes {
-        right: value(axes.right),
-        forward: value(axes.forward),
-        up: value(axes.up),
-        yaw: value(axes.yaw),
-        pitch: value(axes.pitch),
-        roll: value(axes.roll),
+impl GamepadState {
+    /// How far a part is pushed, from −1 to 1, with `dead` of its travel taken out around its
+    /// rest. What is no number is not pushed.
+    #[must_use]
+    pub fn value(&self, part: GamepadPart, dead: f64) -> f64 {
+        let pushed = |trigger: f64| beyond_dead_zone(trigger, dead).max(0.0);
+        let pressed = |button: bool| f64::from(u8::from(button));
+        match part {
+            GamepadPart::LeftStickX => round_dead_zone(self.left_stick, dead)[0],
+            GamepadPart::LeftStickY => round_dead_zone(self.left_stick, dead)[1],
+            GamepadPart::RightStickX => round_dead_zone(self.right_stick, dead)[0],
+            GamepadPart::RightStickY => round_dead_zone(self.right_stick, dead)[1],
+            GamepadPart::Triggers => pushed(self.triggers[1]) - pushed(self.triggers[0]),
+            GamepadPart::LeftTrigger => pushed(self.triggers[0]),
+            GamepadPart::RightTrigger => pushed(self.triggers[1]),
+            GamepadPart::Shoulders => pressed(self.shoulders[1]) - pressed(self.shoulders[0]),
+            GamepadPart::LeftShoulder => pressed(self.shoulders[0]),
+            GamepadPart::RightShoulder => pressed(self.shoulders[1]),
+            GamepadPart::DPadX => finite(self.d_pad[0]),
+            GamepadPart::DPadY => finite(self.d_pad[1]),
+            GamepadPart::South => pressed(self.buttons[0]),
+            GamepadPart::East => pressed(self.buttons[1]),
+            GamepadPart::North => pressed(self.buttons[2]),
+            GamepadPart::West => pressed(self.buttons[3]),
+            GamepadPart::LeftStick => pressed(self.sticks[0]),
+            GamepadPart::RightStick => pressed(self.sticks[1]),
+            GamepadPart::Select => pressed(self.select_start[0]),
+            GamepadPart::Start => pressed(self.select_start[1]),
+        }
     }
 }
 
@@ -67,8 +68,12 @@ fn round_dead_zone([x, y]: [f64; 2], dead: f64) -> [f64; 2] {
     [x * wanted / length, y * wanted / length]
 }
 
-fn straight_dead_zone(value: f64, dead: f64) -> f64 {
-    ((finite(value) - dead) / (1.0 - dead)).clamp(0.0, 1.0)
+/// A value with a dead zone taken out on both sides of 0.
+pub(crate) fn beyond_dead_zone(value: f64, dead: f64) -> f64 {
+    let value = finite(value);
+    ((value.abs() - dead) / (1.0 - dead))
+        .clamp(0.0, 1.0)
+        .copysign(value)
 }
 
 fn finite(value: f64) -> f64 {
@@ -138,6 +143,10 @@ impl Gamepads {
                 both(Button::DPadLeft, Button::DPadRight),
                 both(Button::DPadDown, Button::DPadUp),
             ],
+            buttons: [Button::South, Button::East, Button::North, Button::West]
+                .map(|button| pad.is_pressed(button)),
+            sticks: [Button::LeftThumb, Button::RightThumb].map(|button| pad.is_pressed(button)),
+            select_start: [Button::Select, Button::Start].map(|button| pad.is_pressed(button)),
         })
     }
 
@@ -152,71 +161,89 @@ impl Gamepads {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use GamepadPart::*;
 
-    fn left(x: f64, y: f64) -> FlightAxes {
+    const DEAD: f64 = 0.15;
+
+    fn left(x: f64, y: f64) -> [f64; 2] {
         let state = GamepadState {
             left_stick: [x, y],
             ..GamepadState::default()
         };
-        map_gamepad(&state, &GamepadMapping::default())
+        [LeftStickX, LeftStickY].map(|part| state.value(part, DEAD))
     }
 
     #[test]
-    fn each_part_asks_for_its_own_axis() {
+    fn each_part_has_its_own_value() {
         let state = GamepadState {
             left_stick: [1.0, 0.0],
             right_stick: [0.0, -1.0],
-            triggers: [0.0, 1.0],
-            shoulders: [true, false],
-            d_pad: [0.0, 0.0],
+            triggers: [1.0, 0.0],
+            shoulders: [false, true],
+            d_pad: [-1.0, 1.0],
+            buttons: [true, false, true, false],
+            sticks: [true, false],
+            select_start: [false, true],
         };
-        let axes = map_gamepad(&state, &GamepadMapping::default());
-        assert_eq!((axes.right, axes.forward), (1.0, 0.0));
-        assert_eq!((axes.yaw, axes.pitch), (0.0, -1.0));
-        assert_eq!((axes.up, axes.roll), (1.0, -1.0));
+        for (part, value) in [
+            (LeftStickX, 1.0),
+            (LeftStickY, 0.0),
+            (RightStickX, 0.0),
+            (RightStickY, -1.0),
+            (Triggers, -1.0),
+            (LeftTrigger, 1.0),
+            (RightTrigger, 0.0),
+            (Shoulders, 1.0),
+            (LeftShoulder, 0.0),
+            (RightShoulder, 1.0),
+            (DPadX, -1.0),
+            (DPadY, 1.0),
+            (South, 1.0),
+            (East, 0.0),
+            (North, 1.0),
+            (West, 0.0),
+            (LeftStick, 1.0),
+            (RightStick, 0.0),
+            (Select, 0.0),
+            (Start, 1.0),
+        ] {
+            assert_eq!(state.value(part, DEAD), value, "{part:?}");
+            assert_eq!(GamepadState::default().value(part, DEAD), 0.0, "{part:?}");
+        }
     }
 
     #[test]
     fn rest_is_rest_in_every_direction() {
         for angle in 0..360 {
             let (y, x) = f64::from(angle).to_radians().sin_cos();
-            assert_eq!(left(0.149 * x, 0.149 * y), FlightAxes::default());
+            assert_eq!(left(0.149 * x, 0.149 * y), [0.0; 2]);
         }
-        assert_eq!(
-            map_gamepad(&GamepadState::default(), &GamepadMapping::default()),
-            FlightAxes::default()
-        );
     }
 
     #[test]
     fn the_dead_zones_edge_is_zero_and_the_sticks_end_is_one() {
-        let just_out = left(0.15 + 1e-9, 0.0).right;
+        let just_out = left(DEAD + 1e-9, 0.0)[0];
         assert!(just_out > 0.0 && just_out < 1e-6);
-        assert_eq!(left(1.0, 0.0).right, 1.0);
+        assert_eq!(left(1.0, 0.0)[0], 1.0);
         // A stick pushed into its corner is no faster than one pushed straight.
-        let corner = left(1.0, 1.0);
-        assert!((corner.right.hypot(corner.forward) - 1.0).abs() < 1e-12);
+        let [x, y] = left(1.0, 1.0);
+        assert!((x.hypot(y) - 1.0).abs() < 1e-12);
         // More is more.
         let pushed: Vec<f64> = (0..=100)
-            .map(|i| left(f64::from(i) * 0.01, 0.0).right)
+            .map(|i| left(f64::from(i) * 0.01, 0.0)[0])
             .collect();
         assert!(pushed.is_sorted());
-    }
-
-    #[test]
-    fn signs_turn_and_parts_can_be_left_out() {
-        let rig = "name = 'g'\n[camera]\n[gamepad]\nforward = '-left-stick-y'\nright = 'none'\n";
-        let mapping = sandtable_config::Rig::parse(rig, "g").unwrap().gamepad;
-        let state = GamepadState {
-            left_stick: [0.6, 0.6],
-            ..GamepadState::default()
-        };
-        let axes = map_gamepad(&state, &mapping);
-        assert!(axes.forward < -0.5 && axes.right == 0.0);
+        let channel = |value| beyond_dead_zone(value, DEAD);
+        assert_eq!(
+            [channel(-1.0), channel(-0.15), channel(0.15)],
+            [-1.0, 0.0, 0.0]
+        );
+        assert!((channel(-0.575) + 0.5).abs() < 1e-12);
     }
 
     #[test]
     fn a_gamepad_that_sends_no_numbers_asks_nothing() {
-        assert_eq!(left(f64::NAN, f64::INFINITY), FlightAxes::default());
+        assert_eq!(left(f64::NAN, f64::INFINITY), [0.0; 2]);
+        assert_eq!(beyond_dead_zone(f64::NAN, DEAD), 0.0);
     }
 }

@@ -212,6 +212,20 @@ impl Hub {
         Some(sample.pressed)
     }
 
+    /// The buttons that were down at any time after `from` and up to `to`, so that none is missed
+    /// that is pressed for a moment; `None` where nothing is known of them.
+    #[must_use]
+    pub fn buttons_between(&self, sensor: &SensorName, from: Nanos, to: Nanos) -> Option<u64> {
+        let history = self.named(sensor)?.buttons.lock();
+        let up_to = history.partition_point(|sample| sample.time <= to);
+        let newest = up_to.checked_sub(1)?;
+        let after = history.partition_point(|sample| sample.time <= from);
+        // The one before them holds on until the first.
+        let first = after.saturating_sub(1).min(newest);
+        let pressed = history.range(first..up_to).map(|sample| sample.pressed);
+        Some(pressed.fold(0, |all, pressed| all | pressed))
+    }
+
     /// The axes as they were at `time`; `None` where nothing is known of them.
     #[must_use]
     pub fn axes_at(&self, sensor: &SensorName, time: Nanos) -> Option<AxesSample> {

@@ -5,13 +5,13 @@
 //!                            |      ^                   |
 //!                            v      |                   +--> VrpnServer --> others' programs
 //!                        Recorder  Replay (virtual clock)
-//! gamepad --state--> map_gamepad --> FlightAxes
+//! Hub + DeskState (keys, mouse, gamepad) --IntentMapper--> IntentState --> whoever acts
 //! ```
 //!
 //! Devices are the Flock of Birds ([`flock`]), PINCH gloves ([`pinch`]), 5DT's data gloves
 //! ([`data_glove`]), gloves that the rig describes ([`hid_glove`]), and trackers and gloves of
 //! others' programs ([`vrpn`], [`dtrack`]); what hands mean by their fingers is told by [`hand`],
-//! whichever glove they are in.
+//! whichever glove they are in. What people mean by all of it is told by [`intent`], as the rig says.
 //!
 //! Poses are in the table's frame, in metres; inches, degrees and devices' own frames end at the
 //! drivers. Decoders are pure functions of bytes and times, so that live sessions, replay and tests
@@ -68,6 +68,7 @@ pub mod hand;
 mod hid;
 pub mod hid_glove;
 mod hub;
+pub mod intent;
 pub mod pinch;
 pub mod recording;
 mod sample;
@@ -82,7 +83,7 @@ pub mod vrpn;
 pub use clock::Clock;
 pub use devices::{Condition, DeviceState, Devices, DevicesError};
 pub use flight::FlightAxes;
-pub use gamepad::{GamepadError, GamepadState, Gamepads, map_gamepad};
+pub use gamepad::{GamepadError, GamepadState, Gamepads};
 pub use hid::{HidError, udev_rule};
 pub use hub::Hub;
 pub use recording::{Recorder, Replay};
@@ -90,6 +91,7 @@ pub use sample::{
     AXES, AxesSample, ButtonsSample, Contacts, Fingers, Flexion, HandSample, HandState, PoseSample,
     Sample,
 };
+pub use sandtable_motion::Estimate;
 pub use serial_line::SerialError;
 pub use simulator::SimulatedDevice;
 #[cfg(unix)]

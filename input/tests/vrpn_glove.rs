@@ -4,9 +4,9 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
-use sandtable_config::{Device, Rig, SensorName};
+use sandtable_config::{Device, Gesture, Rig, SensorName};
 use sandtable_input::data_glove::{Motion, SimulatedDataGlove, SimulatorSettings};
-use sandtable_input::hand::{Gesture, GestureRecogniser};
+use sandtable_input::hand::GestureRecogniser;
 use sandtable_input::pinch::{ContactGroups, ContactMessage};
 use sandtable_input::vrpn::{VrpnServer, VrpnServerSettings};
 use sandtable_input::{

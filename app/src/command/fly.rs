@@ -13,6 +13,7 @@ use crate::{rig, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::CastPool;
 use sandtable_config::{StereoMode as RigStereo, Viewing};
+use sandtable_input::intent::DeskState;
 use sandtable_input::{Clock, Devices, Gamepads, Hub, Replay};
 use sandtable_stage::{Composing, StereoMode};
 use std::path::Path;
@@ -208,9 +209,9 @@ fn without_display(
             let mut problem = Ok(());
             film.shoot(session, pool, |session, frame| {
                 let time = frame_time(start, frame, REPLAY_RATE, args.replay_speed);
-                let recalled = tape::recall(&mut replay, session, time);
+                let recalled = tape::recall(&mut replay, session, time, &DeskState::default());
                 if problem.is_ok() {
-                    problem = recalled;
+                    problem = recalled.map(drop);
                 }
             })?;
             problem?;

@@ -59,11 +59,6 @@ impl TableFlight {
         self.placement.yaw = self.placement.yaw.rem_euclid(TAU);
     }
 
-    /// Takes the world along with a hand that moved by `table` metres.
-    pub(crate) fn drag(&mut self, table: DVec3) {
-        self.placement.anchor -= self.placement.world_vector_from_table(table);
-    }
-
     /// Sets scale and exaggeration, each within what makes sense.
     pub(crate) fn set_scale(&mut self, scale: f64, exaggeration: f64) {
         if scale.is_finite() && exaggeration.is_finite() {
@@ -148,16 +143,6 @@ mod tests {
         near(whole.placement.anchor, split.placement.anchor);
         assert!((whole.placement.scale / split.placement.scale - 1.0).abs() < 1e-12);
         assert!((whole.placement.yaw - split.placement.yaw).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_dragged_world_stays_under_the_hand() {
-        let mut flight = flight();
-        flight.placement.yaw = 0.6;
-        let (from, to) = (DVec3::new(0.1, -0.2, 0.05), DVec3::new(-0.3, 0.1, 0.1));
-        let held = flight.placement.world_from_table(from);
-        flight.drag(to - from);
-        near(flight.placement.world_from_table(to), held);
     }
 
     #[test]

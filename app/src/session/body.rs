@@ -1,9 +1,9 @@
 //! A head or a hand: tracked, or at rest where the mouse may move it.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use sandtable_config::SensorName;
-use sandtable_input::Hub;
-use sandtable_pose::{Nanos, Rigid, Validity};
+use sandtable_input::Estimate;
+use sandtable_pose::{Rigid, Validity};
 
 /// A head or a hand in the table's frame.
 #[derive(Clone, Debug)]
@@ -38,14 +38,10 @@ impl Body {
         }
     }
 
-    /// Takes in the tracked pose for a picture that is begun at `time`. A lost one leaves the body where it last was: nothing
-    /// snaps back to its rest.
-    pub(crate) fn follow(&mut self, hub: &Hub, time: Nanos) {
-        let estimate = self
-            .sensor
-            .as_ref()
-            .and_then(|sensor| hub.estimate_at(sensor, time));
-        if let Some(pose) = estimate.map(|estimate| estimate.pose) {
+    /// Takes in what its sensor tells. A lost pose leaves the body where it last was: nothing snaps
+    /// back to its rest.
+    pub(crate) fn follow(&mut self, told: Option<Estimate>) {
+        if let Some(pose) = told.map(|told| told.pose) {
             self.table_from_body = pose.frame_from_body;
             self.validity = Some(pose.validity);
         }
@@ -66,6 +62,14 @@ impl Body {
         if !self.is_tracked() && by.is_finite() {
             let to = self.table_from_body.translation + by;
             self.table_from_body.translation = to.clamp_length_max(REACH);
+        }
+    }
+
+    /// Turns it about the table's vertical, counter-clockwise seen from above, unless it is tracked.
+    pub(crate) fn turn(&mut self, radians: f64) {
+        if !self.is_tracked() && radians.is_finite() {
+            let turned = DQuat::from_rotation_z(radians) * self.table_from_body.rotation;
+            self.table_from_body.rotation = turned.normalize();
         }
     }
 

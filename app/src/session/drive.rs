@@ -1,63 +1,61 @@
 //! A session driven by people: what their hands ask for, and what the panel says.
 
+use super::hand::HandWork;
 use super::{Session, Viewpoint};
-use crate::navigation::Pace;
+use crate::navigation::{Pace, together};
 use crate::scene;
-use crate::window::{Device, Drive, Readings, TableReadings, Wish};
+use crate::window::{Device, HandReadings, MouseDrive, Readings, TableReadings, Wish};
 use glam::DVec3;
+use sandtable_config::Intent;
+use sandtable_input::intent::IntentState;
+use sandtable_pose::Rigid;
 use sandtable_view::{Attitude, Placement};
 use std::sync::Arc;
 use std::time::Duration;
 
+/// How many times as fast the intent `faster` makes a flight.
+const BOOST: f64 = 5.0;
+
 impl Session {
-    /// Flies for `step` as `drive` asks; whether anything moved.
-    pub(crate) fn drive(&mut self, drive: &Drive, step: Duration) -> bool {
+    /// Goes on for `step` as people mean it; whether anything moved.
+    pub(crate) fn drive(
+        &mut self,
+        intents: &IntentState,
+        mouse: &MouseDrive,
+        step: Duration,
+    ) -> bool {
         let seconds = step.as_secs_f64();
-        let before = (self.viewpoint.clone(), self.head.table_from_body());
+        let before = self.moved();
         let start = self.position();
+        self.move_bodies(intents, mouse);
+        let axes = together(&intents.flight, &self.work_the_hand(intents, mouse));
+        let boost = match intents.holds(Intent::Faster) {
+            true => BOOST,
+            false => 1.0,
+        };
+        let moves_head = intents.holds(Intent::MoveHead);
         let ground = Arc::clone(&self.casting.prepared().scene().ground);
         match &mut self.viewpoint {
-            Viewpoint::Camera {
-                camera,
-                horizontal_fov,
-                ..
-            } => {
+            Viewpoint::Camera { camera, .. } => {
                 let height = height_above(&ground, camera.eye);
-                camera.pace = camera.pace.faster(drive.mouse.wheel);
-                let speed = camera.pace.speed(height) * drive.boost;
-                camera.advance(&drive.axes, speed, seconds);
-                // A drag takes the picture along: dragging right turns left.
-                let radians = *horizontal_fov;
-                camera.turn(-drive.mouse.drag.x * radians, drive.mouse.drag.y * radians);
-                let [right, up, _] = camera.attitude.axes();
-                let reach = speed * 0.5;
-                camera.eye +=
-                    reach * (drive.mouse.other_drag.y * up - drive.mouse.other_drag.x * right);
-            }
-            Viewpoint::Table { screen, flight, .. } => {
-                flight.advance(&drive.axes, drive.boost, seconds);
-                let (across, upwards) = (screen.across(), screen.upwards());
-                // The main button grabs the world; the other moves the head, as nothing tracks it.
-                let per_height = upwards.length();
-                let drag = drive.mouse.drag * per_height;
-                flight.drag(drag.x * across.normalize() - drag.y * upwards.normalize());
-                let head = drive.mouse.other_drag * per_height;
-                self.head.push(DVec3::new(head.x, -head.y, 0.0));
-                if drive.mouse.wheel != 0.0 {
-                    if drive.mouse.buttons[1] {
-                        self.head
-                            .push(DVec3::new(0.0, 0.0, 0.02 * drive.mouse.wheel));
-                    } else {
-                        let placement = flight.placement;
-                        let scale = placement.scale * 1.1f64.powf(-drive.mouse.wheel);
-                        flight.set_scale(scale, placement.exaggeration);
-                    }
+                camera.pace = camera.pace.faster(mouse.wheel);
+                let speed = camera.pace.speed(height) * boost;
+                camera.advance(&axes, speed, seconds);
+                if moves_head {
+                    let [right, up, _] = camera.attitude.axes();
+                    let reach = speed * 0.5;
+                    camera.eye += reach * (mouse.moved.y * up - mouse.moved.x * right);
                 }
-                if let Some(pointer) = drive.mouse.pointer {
-                    // The hand hovers over the place on the glass that the mouse points to.
-                    let on_glass = screen.upper_left + pointer.x * across - pointer.y * upwards;
-                    let height = self.hand.table_from_body().translation.z;
-                    self.hand.place(on_glass.with_z(height));
+            }
+            Viewpoint::Table { flight, .. } => {
+                flight.advance(&axes, boost, seconds);
+                if !moves_head {
+                    let Placement {
+                        scale,
+                        exaggeration,
+                        ..
+                    } = flight.placement;
+                    flight.set_scale(scale * 1.1f64.powf(-mouse.wheel), exaggeration);
                 }
             }
         }
@@ -65,7 +63,13 @@ impl Session {
             true => 0.0,
             false => self.position().distance(start) / seconds,
         };
-        before != (self.viewpoint.clone(), self.head.table_from_body())
+        before != self.moved()
+    }
+
+    /// What tells whether anything moved that people would see.
+    fn moved(&self) -> (Viewpoint, Rigid, HandWork) {
+        let head = self.head.table_from_body();
+        (self.viewpoint.clone(), head, self.doing)
     }
 
     /// Does what people asked for at the panel or by a key.
@@ -149,6 +153,10 @@ impl Session {
             speed,
             table,
             caster: self.casting.name().to_owned(),
+            hand: HandReadings {
+                mode: self.doing.mode.name(),
+                pointed: self.doing.pointed,
+            },
             devices: self.device_lines(),
             messages: self.messages.clone(),
         }

@@ -6,6 +6,7 @@
 mod body;
 mod casting;
 mod drive;
+mod hand;
 mod sound;
 
 pub(crate) use body::Body;
@@ -17,9 +18,11 @@ use crate::vantage;
 use anyhow::Result;
 use casting::Casting;
 use glam::DVec3;
+use hand::HandWork;
 use sandtable_cast::{CastPool, PreparedScene};
 use sandtable_config::{Rig, Viewing};
 use sandtable_input::Hub;
+use sandtable_input::intent::{DeskState, IntentMapper, IntentState};
 use sandtable_pose::Nanos;
 use sandtable_terrain::Ground;
 use sandtable_view::{EyesInHead, Placement, Screen, Stereo, StereoPair, View};
@@ -59,8 +62,8 @@ pub(crate) struct Session {
     head: Body,
     hand: Body,
     hub: Arc<Hub>,
-    /// The time that it shows.
-    time: Nanos,
+    intents: IntentMapper,
+    doing: HandWork,
     /// World metres a second, for the wind.
     airspeed: f64,
     messages: Vec<String>,
@@ -85,7 +88,6 @@ impl Session {
             Body::new(hand.sensor.clone(), hand.rest)
         });
         Ok(Self {
-            rig,
             terrain: open.name.clone(),
             casting,
             pool,
@@ -94,9 +96,11 @@ impl Session {
             head,
             hand,
             hub,
-            time: Nanos::default(),
+            intents: IntentMapper::new(&rig),
+            doing: HandWork::default(),
             airspeed: 0.0,
             messages: Vec::new(),
+            rig,
         })
     }
 
@@ -160,11 +164,13 @@ impl Session {
         }
     }
 
-    /// Takes in where head and hand are at `time`.
-    pub(crate) fn set_time(&mut self, time: Nanos) {
-        self.time = time;
-        self.head.follow(&self.hub, time);
-        self.hand.follow(&self.hub, time);
+    /// Takes in where head and hand are at `time`; what people mean then by their devices, and by
+    /// what is pressed at the desk.
+    pub(crate) fn take_in(&mut self, time: Nanos, desk: &DeskState) -> IntentState {
+        let intents = self.intents.update(time, &self.hub, desk);
+        self.head.follow(intents.look);
+        self.hand.follow(intents.reach);
+        intents
     }
 
     /// The views for eye images of `size` pixels: one, or a left and a right eye's.

@@ -62,6 +62,8 @@ impl ApplicationHandler<Wake> for Shell<'_> {
             self.changed |= response.repaint;
             response.consumed
         };
+        // What is turned changes something, if it is not the panel.
+        self.changed |= matches!(event, WindowEvent::MouseWheel { .. });
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Resized(size) => {
@@ -89,7 +91,7 @@ impl ApplicationHandler<Wake> for Shell<'_> {
                 event,
                 is_synthetic: false,
                 ..
-            } => self.key(&event, panel_has_it, events),
+            } => self.key(&event, panel_has_it),
             WindowEvent::CursorMoved { position, .. } => {
                 let over_panel = open.egui.egui_ctx().is_pointer_over_egui();
                 self.mouse
@@ -102,11 +104,13 @@ impl ApplicationHandler<Wake> for Shell<'_> {
                 let index = match button {
                     MouseButton::Left => 0,
                     MouseButton::Right => 1,
+                    MouseButton::Middle => 2,
                     _ => return,
                 };
                 let down = state == ElementState::Pressed;
                 if !down || !panel_has_it {
                     self.mouse.button(index, down);
+                    self.changed = true;
                 }
             }
             WindowEvent::MouseWheel { delta, .. } if !panel_has_it => {
@@ -121,6 +125,10 @@ impl ApplicationHandler<Wake> for Shell<'_> {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        if self.quitting {
+            events.exit();
+            return;
+        }
         let Some(open) = self.open.as_ref() else {
             return;
         };

@@ -18,8 +18,9 @@ impl Shell<'_> {
     /// Advances the show, has it cast, and draws what there is.
     pub(super) fn frame(&mut self, events: &ActiveEventLoop) {
         let begin = Instant::now();
-        self.advance(begin);
+        // What people mean may ask for another frame after this one.
         self.changed = false;
+        self.advance(begin);
         let Some(mut open) = self.open.take() else {
             return;
         };
@@ -88,6 +89,10 @@ impl Shell<'_> {
 
     fn draw_panel(&mut self, open: &mut Open, now: Instant, wishes: &mut Vec<Wish>) {
         let readings = self.show.readings();
+        let bindings = match self.settings.keys {
+            true => self.show.bindings(),
+            false => Vec::new(),
+        };
         let mut messages = self.messages.clone();
         if open.caster.has_ended() {
             messages.push("the caster has broken down: start the program anew".into());
@@ -112,7 +117,7 @@ impl Shell<'_> {
         let context = open.egui.egui_ctx().clone();
         let output = context.run_ui(input, |ui| {
             if self.panel_shown {
-                *wishes = panel::lay_out(ui, &mut self.settings, &readings, &vitals);
+                *wishes = panel::lay_out(ui, &mut self.settings, &readings, &vitals, &bindings);
             }
         });
         self.changed |= self.settings != before;

@@ -1,73 +1,8 @@
-//! Keys: which are held, and what each does.
+//! The keyboard: which keys are down.
 
-use sandtable_input::FlightAxes;
-use sandtable_stage::StereoMode;
+use sandtable_config::KeyCode;
 use std::collections::HashSet;
-use winit::keyboard::KeyCode;
-
-/// How many times as fast Shift makes a flight.
-const BOOST: f64 = 5.0;
-
-/// What the keys do, for the panel: keys, then meaning.
-pub(super) const HELP: [(&str, &str); 16] = [
-    ("W S", "forward, back"),
-    ("A D", "left, right"),
-    ("R F", "up, down"),
-    ("Left Right", "turn left, right"),
-    ("Up Down", "nose up, down"),
-    ("Q E", "roll left, right"),
-    ("Shift", "faster"),
-    ("mouse", "drag turns, wheel changes the speed"),
-    ("Home", "back to the start"),
-    ("1 2 3 4", "mono, side by side, top-bottom, anaglyph"),
-    ("X", "swap the eyes"),
-    ("C", "next caster"),
-    ("F1 Tab", "hide or show the panel"),
-    ("F11", "full screen"),
-    ("F12", "screenshot"),
-    ("Esc", "quit"),
-];
-
-/// What a key does once, when it goes down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Command {
-    Quit,
-    TogglePanel,
-    FullScreen,
-    Screenshot,
-    Home,
-    SwapEyes,
-    Stereo(StereoMode),
-    NextCaster,
-}
-
-impl Command {
-    /// The command of `key`, if it has one.
-    pub(super) fn of(key: KeyCode) -> Option<Self> {
-        Some(match key {
-            KeyCode::Escape => Self::Quit,
-            KeyCode::F1 | KeyCode::Tab => Self::TogglePanel,
-            KeyCode::F11 => Self::FullScreen,
-            KeyCode::F12 => Self::Screenshot,
-            KeyCode::Home => Self::Home,
-            KeyCode::KeyX => Self::SwapEyes,
-            KeyCode::KeyC => Self::NextCaster,
-            KeyCode::Digit1 | KeyCode::Numpad1 => Self::Stereo(StereoMode::Mono),
-            KeyCode::Digit2 | KeyCode::Numpad2 => Self::Stereo(StereoMode::SideBySide),
-            KeyCode::Digit3 | KeyCode::Numpad3 => Self::Stereo(StereoMode::TopBottom),
-            KeyCode::Digit4 | KeyCode::Numpad4 => Self::Stereo(StereoMode::Anaglyph),
-            _ => return None,
-        })
-    }
-
-    /// Whether it works even while a text field of the panel has the keyboard.
-    pub(super) fn above_panel(self) -> bool {
-        matches!(
-            self,
-            Self::TogglePanel | Self::FullScreen | Self::Screenshot
-        )
-    }
-}
+use winit::keyboard::KeyCode as WinitKey;
 
 /// The keys that are down. Keys are places on the keyboard, whatever is printed on them.
 #[derive(Clone, Debug, Default)]
@@ -92,40 +27,30 @@ impl HeldKeys {
         *self = Self::default();
     }
 
-    /// A frame was driven by what they ask for.
-    pub(super) fn used(&mut self) {
-        self.tapped.clear();
+    /// The keys that are down, or were since the last call.
+    pub(super) fn take(&mut self) -> HashSet<KeyCode> {
+        let mut keys = std::mem::take(&mut self.tapped);
+        keys.extend(&self.down);
+        keys
     }
+}
 
-    fn contains(&self, key: KeyCode) -> bool {
-        self.down.contains(&key) || self.tapped.contains(&key)
+/// The key's name in the W3C's UI Events, by which rigs call it; `None` for one that has none.
+pub(super) fn code(key: WinitKey) -> Option<KeyCode> {
+    match key {
+        WinitKey::SuperLeft => Some(KeyCode::MetaLeft),
+        WinitKey::SuperRight => Some(KeyCode::MetaRight),
+        // The window system's names are the W3C's for all others.
+        key => format!("{key:?}").parse().ok(),
     }
+}
 
-    /// The flight that they ask for.
-    pub(super) fn axes(&self) -> FlightAxes {
-        use KeyCode::*;
-        let axis = |more, less| {
-            f64::from(u8::from(self.contains(more))) - f64::from(u8::from(self.contains(less)))
-        };
-        FlightAxes {
-            right: axis(KeyD, KeyA),
-            forward: axis(KeyW, KeyS),
-            up: axis(KeyR, KeyF),
-            yaw: axis(ArrowRight, ArrowLeft),
-            pitch: axis(ArrowUp, ArrowDown),
-            roll: axis(KeyE, KeyQ),
-        }
-    }
-
-    /// How many times as fast as usual.
-    pub(super) fn boost(&self) -> f64 {
-        let shift = [KeyCode::ShiftLeft, KeyCode::ShiftRight];
-        if shift.iter().any(|key| self.contains(*key)) {
-            BOOST
-        } else {
-            1.0
-        }
-    }
+/// Whether a key types nothing, so that it may be meant for the window even while a text field of
+/// the panel has the keyboard.
+pub(super) fn types_nothing(key: KeyCode) -> bool {
+    let name = key.to_string();
+    let number = name.strip_prefix('F').and_then(|n| n.parse::<u8>().ok());
+    key == KeyCode::Tab || number.is_some()
 }
 
 #[cfg(test)]
@@ -133,64 +58,102 @@ mod tests {
     use super::*;
 
     #[test]
-    fn held_keys_are_axes_and_opposites_cancel() {
-        let mut held = HeldKeys::default();
-        for key in [
-            KeyCode::KeyW,
-            KeyCode::KeyE,
-            KeyCode::ArrowLeft,
-            KeyCode::ShiftRight,
-        ] {
-            held.press(key);
-            held.press(key);
-        }
-        let expected = FlightAxes {
-            forward: 1.0,
-            roll: 1.0,
-            yaw: -1.0,
-            ..Default::default()
-        };
-        assert_eq!((held.axes(), held.boost()), (expected, BOOST));
-        held.press(KeyCode::KeyS);
-        held.press(KeyCode::KeyQ);
-        held.release(KeyCode::ArrowLeft);
-        held.used();
-        assert_eq!(held.axes(), FlightAxes::default());
-        held.clear();
-        assert_eq!(held.boost(), 1.0);
-    }
-
-    #[test]
     fn a_tap_between_two_frames_drives_one_of_them() {
         let mut held = HeldKeys::default();
+        held.press(KeyCode::KeyW);
         held.press(KeyCode::KeyR);
         held.release(KeyCode::KeyR);
-        assert_eq!(held.axes().up, 1.0);
-        held.used();
-        assert_eq!(held.axes().up, 0.0);
+        assert_eq!(held.take(), [KeyCode::KeyW, KeyCode::KeyR].into());
+        assert_eq!(held.take(), [KeyCode::KeyW].into());
+        held.clear();
+        assert!(held.take().is_empty());
     }
 
     #[test]
-    fn flight_keys_are_no_commands() {
-        use KeyCode::*;
-        for key in [
-            KeyW, KeyS, KeyA, KeyD, KeyR, KeyF, KeyQ, KeyE, ArrowUp, ArrowDown, ArrowLeft,
-            ArrowRight, ShiftLeft,
+    fn the_window_systems_keys_are_those_of_rigs() {
+        use WinitKey as W;
+        for (key, expected) in [
+            (W::KeyW, KeyCode::KeyW),
+            (W::Digit1, KeyCode::Digit1),
+            (W::Numpad4, KeyCode::Numpad4),
+            (W::ArrowLeft, KeyCode::ArrowLeft),
+            (W::ShiftLeft, KeyCode::ShiftLeft),
+            (W::Space, KeyCode::Space),
+            (W::Escape, KeyCode::Escape),
+            (W::Tab, KeyCode::Tab),
+            (W::Home, KeyCode::Home),
+            (W::F12, KeyCode::F12),
+            (W::SuperLeft, KeyCode::MetaLeft),
+            (W::NumpadAdd, KeyCode::NumpadAdd),
+            (W::IntlBackslash, KeyCode::IntlBackslash),
         ] {
-            assert_eq!(Command::of(key), None);
+            assert_eq!(code(key), Some(expected), "{key:?}");
         }
     }
 
     #[test]
-    fn every_stereo_mode_has_its_key() {
-        let keys = [
+    fn every_key_of_the_default_intents_is_one_that_windows_tell() {
+        use sandtable_config::{Intents, Part};
+        let windows = [
+            WinitKey::KeyA,
+            WinitKey::KeyC,
+            WinitKey::KeyD,
+            WinitKey::KeyE,
+            WinitKey::KeyF,
+            WinitKey::KeyG,
+            WinitKey::KeyH,
+            WinitKey::KeyM,
+            WinitKey::KeyP,
+            WinitKey::KeyQ,
+            WinitKey::KeyR,
+            WinitKey::KeyS,
+            WinitKey::KeyT,
+            WinitKey::KeyV,
+            WinitKey::KeyW,
+            WinitKey::KeyX,
+            WinitKey::Space,
+            WinitKey::Tab,
+            WinitKey::Home,
+            WinitKey::Escape,
+            WinitKey::ArrowUp,
+            WinitKey::ArrowDown,
+            WinitKey::ArrowLeft,
+            WinitKey::ArrowRight,
+            WinitKey::ShiftLeft,
+            WinitKey::ShiftRight,
+            WinitKey::F1,
+            WinitKey::F11,
+            WinitKey::F12,
+            WinitKey::Digit1,
+            WinitKey::Digit2,
+            WinitKey::Digit3,
+            WinitKey::Digit4,
+            WinitKey::Numpad1,
+            WinitKey::Numpad2,
+            WinitKey::Numpad3,
+            WinitKey::Numpad4,
+        ]
+        .map(|key| code(key).unwrap());
+        let intents = Intents::default();
+        for source in intents.iter().flat_map(|(_, sources)| sources) {
+            if let Part::Key(key) = source.part {
+                assert!(windows.contains(&key), "{source}");
+            }
+        }
+    }
+
+    #[test]
+    fn function_keys_type_nothing_and_letters_do() {
+        for key in [KeyCode::F1, KeyCode::F12, KeyCode::Tab] {
+            assert!(types_nothing(key), "{key}");
+        }
+        for key in [
+            KeyCode::KeyF,
             KeyCode::Digit1,
-            KeyCode::Digit2,
-            KeyCode::Digit3,
-            KeyCode::Digit4,
-        ];
-        for (key, mode) in keys.into_iter().zip(StereoMode::ALL) {
-            assert_eq!(Command::of(key), Some(Command::Stereo(mode)));
+            KeyCode::Escape,
+            KeyCode::Space,
+        ] {
+            assert!(!types_nothing(key), "{key}");
         }
     }
 }

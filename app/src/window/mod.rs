@@ -21,7 +21,9 @@ mod show;
 mod times;
 
 pub(crate) use mouse::MouseDrive;
-pub(crate) use show::{Activity, Device, Drive, Readings, Show, TableReadings, Wish};
+pub(crate) use show::{
+    Activity, Advanced, Device, Drive, HandReadings, Readings, Show, TableReadings, Wish,
+};
 
 use sandtable_cast::CastPool;
 use sandtable_stage::{Composing, GpuError};

@@ -1,6 +1,5 @@
 //! The panel below the picture: where one is, how fast, by which caster and in which stereo mode.
 
-use super::keys::HELP;
 use super::show::{Device, Readings, TableReadings, Wish};
 use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
 use sandtable_cast::CASTERS;
@@ -40,6 +39,7 @@ pub(super) fn lay_out(
     settings: &mut Settings,
     readings: &Readings,
     vitals: &Vitals,
+    bindings: &[(String, String)],
 ) -> Vec<Wish> {
     let mut wishes = Vec::new();
     let background = Frame::new()
@@ -68,8 +68,10 @@ pub(super) fn lay_out(
             messages(ui, readings.messages.iter().chain(&vitals.messages));
         });
     if settings.keys {
-        let window = egui::Window::new("Keys").open(&mut settings.keys);
-        window.resizable(false).show(ui.ctx(), keys);
+        let room = ui.ctx().content_rect().height() - 60.0;
+        let window = egui::Window::new("Controls").open(&mut settings.keys);
+        let window = window.vscroll(true).default_height(room).max_height(room);
+        window.show(ui.ctx(), |ui| controls(ui, bindings));
     }
     wishes
 }
@@ -109,6 +111,10 @@ fn position(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
             position[axis] = value;
             wishes.push(Wish::Position(position));
         }
+    }
+    // The middle of a glass is a place on the table, not one that flies.
+    if readings.table.is_some() {
+        return;
     }
     ui.label("above ground");
     ui.label(readings.above_ground.map_or_else(
@@ -162,8 +168,17 @@ fn flight(ui: &mut Ui, readings: &Readings, wishes: &mut Vec<Wish>) {
     }) {
         wishes.push(Wish::Speed(speed));
     }
+    ui.label("hand");
+    ui.label(readings.hand.mode);
+    ui.end_row();
+    ui.label("points at");
+    ui.label(readings.hand.pointed.map_or_else(
+        || "-".to_owned(),
+        |at| format!("{:.0} E, {:.0} N, {:.0} m", at.x, at.y, at.z),
+    ));
+    ui.end_row();
     ui.label("start");
-    if ui.button("back (Home)").clicked() {
+    if ui.button("back").clicked() {
         wishes.push(Wish::Home);
     }
     ui.end_row();
@@ -262,7 +277,7 @@ fn terrain(ui: &mut Ui, readings: &Readings, keys: &mut bool) {
     ui.label(&readings.terrain);
     ui.end_row();
     ui.label("help");
-    ui.toggle_value(keys, "what the keys do");
+    ui.toggle_value(keys, "what asks for what");
     ui.end_row();
 }
 
@@ -274,11 +289,12 @@ fn messages<'a>(ui: &mut Ui, all: impl Iterator<Item = &'a String>) {
     }
 }
 
-fn keys(ui: &mut Ui) {
-    Grid::new("keys").num_columns(2).show(ui, |ui| {
-        for (keys, meaning) in HELP {
-            ui.label(RichText::new(keys).strong());
+/// What people can ask for, and by what.
+fn controls(ui: &mut Ui, bindings: &[(String, String)]) {
+    Grid::new("controls").num_columns(2).show(ui, |ui| {
+        for (meaning, sources) in bindings {
             ui.label(meaning);
+            ui.label(RichText::new(sources).strong());
             ui.end_row();
         }
     });
@@ -302,7 +318,14 @@ mod tests {
         let mut wishes = Vec::new();
         for _ in 0..3 {
             let mut output = context.run_ui(egui::RawInput::default(), |ui| {
-                wishes.extend(lay_out(ui, &mut settings, readings, &Vitals::default()));
+                let bindings = [("act".to_owned(), "key Space".to_owned())];
+                wishes.extend(lay_out(
+                    ui,
+                    &mut settings,
+                    readings,
+                    &Vitals::default(),
+                    &bindings,
+                ));
             });
             assert!(output.shapes.len() > 20, "the panel is empty");
             output.textures_delta.clear();

@@ -1,19 +1,20 @@
 //! The shell: the state of the window, and what people do to it.
 
-use super::keys::{Command, HeldKeys};
+use super::keys::{self, HeldKeys};
 use super::mouse::Mouse;
 use super::open::Open;
 use super::pacing::LONGEST_STEP;
 use super::panel::Settings;
-use super::show::{Activity, Drive, Show, Wish};
+use super::show::{Activity, Advanced, Drive, Show, Wish};
 use super::times::Times;
 use super::{Waker, WindowError, WindowOptions};
 use sandtable_cast::{CASTERS, CastPool};
-use sandtable_input::FlightAxes;
+use sandtable_config::Intent;
+use sandtable_input::intent::{DeskState, IntentState};
+use sandtable_stage::StereoMode;
 use std::sync::Arc;
 use std::time::Instant;
 use winit::event::{ElementState, KeyEvent};
-use winit::event_loop::ActiveEventLoop;
 use winit::keyboard::{ModifiersState, PhysicalKey};
 use winit::window::Fullscreen;
 
@@ -33,6 +34,8 @@ pub(super) struct Shell<'a> {
     pub(super) mouse: Mouse,
     pub(super) messages: Vec<String>,
     pub(super) screenshot_due: bool,
+    /// Somebody has asked for the end.
+    pub(super) quitting: bool,
     pub(super) changed: bool,
     pub(super) activity: Activity,
     /// Whether it was moving when the last frame was driven.
@@ -71,6 +74,7 @@ impl<'a> Shell<'a> {
             mouse: Mouse::default(),
             messages: Vec::new(),
             screenshot_due: false,
+            quitting: false,
             changed: true,
             activity: Activity::Still,
             was_moving: false,
@@ -97,59 +101,71 @@ impl<'a> Shell<'a> {
         self.changed = true;
     }
 
-    pub(super) fn command(&mut self, command: Command, events: &ActiveEventLoop) {
-        self.changed = true;
-        match command {
-            Command::Quit => events.exit(),
-            Command::TogglePanel => self.panel_shown = !self.panel_shown,
-            Command::Screenshot => self.screenshot_due = true,
-            Command::Home => self.show.apply(Wish::Home),
-            Command::SwapEyes => self.settings.swap_eyes = !self.settings.swap_eyes,
-            Command::Stereo(mode) => self.settings.mode = mode,
-            Command::NextCaster => {
+    /// Does the window's own part of what people meant.
+    fn obey(&mut self, intents: &IntentState) {
+        for intent in Intent::ALL {
+            if intents.begins(intent) {
+                self.changed = true;
+                self.begin(intent);
+            }
+        }
+    }
+
+    fn begin(&mut self, intent: Intent) {
+        match intent {
+            Intent::Quit => self.quitting = true,
+            Intent::Menu => self.panel_shown = !self.panel_shown,
+            Intent::Screenshot => self.screenshot_due = true,
+            Intent::Home => self.show.apply(Wish::Home),
+            Intent::SwapEyes => self.settings.swap_eyes = !self.settings.swap_eyes,
+            Intent::Mono => self.settings.mode = StereoMode::Mono,
+            Intent::SideBySide => self.settings.mode = StereoMode::SideBySide,
+            Intent::TopBottom => self.settings.mode = StereoMode::TopBottom,
+            Intent::Anaglyph => self.settings.mode = StereoMode::Anaglyph,
+            Intent::NextCaster => {
                 let present = self.show.readings().caster;
                 let index = CASTERS.iter().position(|kind| kind.name == present);
                 let following = index.map_or(0, |index| (index + 1) % CASTERS.len());
                 self.show.apply(Wish::Caster(CASTERS[following].name));
             }
-            Command::FullScreen => {
+            Intent::FullScreen => {
                 if let Some(open) = &self.open {
                     let full = open.window.fullscreen().is_none();
                     let screen = full.then_some(Fullscreen::Borderless(None));
                     open.window.set_fullscreen(screen);
                 }
             }
+            // The show's own.
+            _ => {}
         }
     }
 
-    pub(super) fn key(&mut self, event: &KeyEvent, panel_has_it: bool, events: &ActiveEventLoop) {
+    pub(super) fn key(&mut self, event: &KeyEvent, panel_has_it: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
         };
+        let Some(key) = keys::code(key) else {
+            return;
+        };
+        // What is let go ends something, too.
+        self.changed = true;
         if event.state == ElementState::Released {
             self.held.release(key);
             return;
         }
         // Alt-Tab, Ctrl-C and the like are meant for others.
         let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
-        if self.modifiers.intersects(others) {
+        if self.modifiers.intersects(others) || event.repeat {
             return;
         }
-        match Command::of(key) {
-            Some(_) if event.repeat => {}
-            Some(command) if !panel_has_it || command.above_panel() => {
-                self.command(command, events);
-            }
-            None if !panel_has_it => self.held.press(key),
-            _ => {}
+        if !panel_has_it || keys::types_nothing(key) {
+            self.held.press(key);
         }
     }
 
     /// Whether a frame is due without anything having changed yet.
     pub(super) fn moving(&self) -> bool {
-        self.activity == Activity::Moving
-            || self.held.axes() != FlightAxes::default()
-            || self.mouse.is_held()
+        self.activity == Activity::Moving || self.mouse.is_held()
     }
 
     /// Advances the show by the time since it last was.
@@ -166,13 +182,15 @@ impl<'a> Shell<'a> {
         };
         let step = now.duration_since(self.last_frame).min(longest);
         self.last_frame = now;
-        let drive = Drive {
-            axes: self.held.axes(),
-            boost: self.held.boost(),
-            mouse: self.mouse.take(frame),
+        let desk = DeskState {
+            keys: self.held.take(),
+            mouse: self.mouse.take_buttons(),
+            gamepad: None,
         };
-        self.held.used();
-        self.activity = self.show.advance(&drive, step, now);
+        let mouse = self.mouse.take(frame, self.settings.mode);
+        let Advanced { activity, intents } = self.show.advance(&Drive { desk, mouse }, step, now);
+        self.activity = activity;
         self.was_moving = self.moving();
+        self.obey(&intents);
     }
 }

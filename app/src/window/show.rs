@@ -3,18 +3,19 @@
 use super::MouseDrive;
 use glam::DVec3;
 use sandtable_cast::PreparedScene;
-use sandtable_input::FlightAxes;
+use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_view::{Attitude, View};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Something to show, moved by people.
 pub(crate) trait Show {
-    /// Moves on by `step` of real time, at most a quarter of a second, as `drive` asks.
+    /// Moves on by `step` of real time, at most a quarter of a second, as people ask; tells what
+    /// they meant, of which the window does its own part.
     ///
     /// After a rest, in which nothing moved and nobody asked, `step` is that of one frame.
     /// `now` is the time of the call, for shows that look up trackers' poses.
-    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Activity;
+    fn advance(&mut self, drive: &Drive, step: Duration, now: Instant) -> Advanced;
 
     /// What is to be seen: one view, or for stereo the left and the right eye's.
     ///
@@ -29,8 +30,20 @@ pub(crate) trait Show {
     /// What the panel says.
     fn readings(&self) -> Readings;
 
+    /// What people can ask for, and by what: meanings and sources.
+    fn bindings(&self) -> Vec<(String, String)>;
+
     /// Does what people asked for at the panel or by a key.
     fn apply(&mut self, wish: Wish);
+}
+
+/// What became of a show that was advanced.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Advanced {
+    /// Whether it moves by itself.
+    pub(crate) activity: Activity,
+    /// What people meant.
+    pub(crate) intents: IntentState,
 }
 
 /// Whether a show moves by itself.
@@ -43,13 +56,11 @@ pub(crate) enum Activity {
 }
 
 /// What people ask for by keyboard and mouse, since the last call.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Drive {
-    /// The keys held.
-    pub(crate) axes: FlightAxes,
-    /// How many times as fast as usual: 1, or more with Shift.
-    pub(crate) boost: f64,
-    /// The mouse, while it is not on the panel.
+    /// The keys and the mouse's buttons that are down; gamepads are the show's own.
+    pub(crate) desk: DeskState,
+    /// Where the mouse goes.
     pub(crate) mouse: MouseDrive,
 }
 
@@ -70,10 +81,21 @@ pub(crate) struct Readings {
     pub(crate) table: Option<TableReadings>,
     /// The caster in use: one of [`sandtable_cast::CASTERS`], with its options.
     pub(crate) caster: String,
+    /// What the hand does.
+    pub(crate) hand: HandReadings,
     /// The devices and how they are.
     pub(crate) devices: Vec<Device>,
     /// What people should know, the newest last.
     pub(crate) messages: Vec<String>,
+}
+
+/// What the hand does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct HandReadings {
+    /// What it does when it acts, in a word.
+    pub(crate) mode: &'static str,
+    /// The ground that it pointed at last, in world metres.
+    pub(crate) pointed: Option<DVec3>,
 }
 
 /// How the world lies on a table.

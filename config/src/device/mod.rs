@@ -95,7 +95,8 @@ impl Device {
     }
 
     /// Whether its sensors tell where they are.
-    pub(crate) fn has_poses(&self) -> bool {
+    #[must_use]
+    pub fn has_poses(&self) -> bool {
         match self {
             Self::Flock(_) | Self::Vrpn(_) | Self::Dtrack(_) => true,
             Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => false,

@@ -1,41 +1,26 @@
 //! Gestures: what a hand means by its fingers.
 
 use super::posture::{FingerPosture, Posture};
+use super::settling::Settling;
 use crate::{Contacts, Fingers, HandState};
-use sandtable_config::Gestures;
+use sandtable_config::{Gesture, Gestures};
 use sandtable_pose::Nanos;
-use std::time::Duration;
 
-/// What a hand means.
+/// The gesture of a posture and of contacts, as they are at one time.
 ///
 /// By contacts: a thumb that touches the index finger of its own hand pinches, one that touches
 /// the middle finger too grabs, and one that touches none is open. By flexion, which needs the
 /// four fingers: all closed grab, all open are open, the index finger alone open points, and the
 /// index finger alone closed with the thumb pinches. Where a glove tells both, a contact that
 /// pinches or grabs counts more, as a touch is sure, and then flexion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Gesture {
-    /// The hand is open.
-    Open,
-    /// The index finger points.
-    Point,
-    /// Thumb and index finger hold something.
-    Pinch,
-    /// The whole hand holds something.
-    Grab,
-}
-
-impl Gesture {
-    /// The gesture of a posture and of contacts, as they are at one time.
-    #[must_use]
-    pub fn of(posture: &Posture, contacts: Option<&Contacts>) -> Option<Self> {
-        let thumb = contacts.map(|contacts| contacts.own[0]);
-        by_touch(thumb).or_else(|| by_flexion(posture)).or_else(|| {
-            let flexion = posture.fingers.iter().any(Option::is_some);
-            let free = thumb.is_some_and(Fingers::is_empty);
-            (!flexion && free).then_some(Self::Open)
-        })
-    }
+#[must_use]
+pub fn gesture_of(posture: &Posture, contacts: Option<&Contacts>) -> Option<Gesture> {
+    let thumb = contacts.map(|contacts| contacts.own[0]);
+    by_touch(thumb).or_else(|| by_flexion(posture)).or_else(|| {
+        let flexion = posture.fingers.iter().any(Option::is_some);
+        let free = thumb.is_some_and(Fingers::is_empty);
+        (!flexion && free).then_some(Gesture::Open)
+    })
 }
 
 fn by_touch(thumb: Option<Fingers>) -> Option<Gesture> {
@@ -68,9 +53,7 @@ fn by_flexion(posture: &Posture) -> Option<Gesture> {
 pub struct GestureRecogniser {
     settings: Gestures,
     posture: Posture,
-    settled: Option<Gesture>,
-    /// What was seen last, if it is not what has settled, and since when.
-    rising: Option<(Option<Gesture>, Nanos)>,
+    gesture: Settling<Option<Gesture>>,
 }
 
 impl GestureRecogniser {
@@ -80,8 +63,7 @@ impl GestureRecogniser {
         Self {
             settings,
             posture: Posture::default(),
-            settled: None,
-            rising: None,
+            gesture: Settling::default(),
         }
     }
 
@@ -89,25 +71,18 @@ impl GestureRecogniser {
     /// or not; gives the gesture that counts now. Time never goes back.
     pub fn update(&mut self, time: Nanos, hand: Option<&HandState>) -> Option<Gesture> {
         let Some(hand) = hand.filter(|hand| **hand != HandState::default()) else {
-            *self = Self::new(self.settings.clone());
+            self.restart();
             return None;
         };
         self.posture.update(hand, &self.settings);
-        let seen = Gesture::of(&self.posture, hand.contacts.as_ref());
-        let since = match self.rising {
-            _ if seen == self.settled => {
-                self.rising = None;
-                return self.settled;
-            }
-            Some((rising, since)) if rising == seen => since,
-            _ => time,
-        };
-        self.rising = Some((seen, since));
-        if self.has_settled(time.since(since)) {
-            self.settled = seen;
-            self.rising = None;
-        }
-        self.settled
+        let seen = gesture_of(&self.posture, hand.contacts.as_ref());
+        self.gesture.update(time, seen, self.settings.settle)
+    }
+
+    /// Forgets all that it has seen.
+    pub fn restart(&mut self) {
+        self.posture = Posture::default();
+        self.gesture = Settling::default();
     }
 
     /// The posture that it goes by.
@@ -115,16 +90,13 @@ impl GestureRecogniser {
     pub fn posture(&self) -> &Posture {
         &self.posture
     }
-
-    fn has_settled(&self, lasted: Duration) -> bool {
-        lasted >= self.settings.settle
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Flexion;
+    use std::time::Duration;
 
     fn bent(fingers: [f64; 5]) -> HandState {
         HandState {
@@ -144,7 +116,7 @@ mod tests {
 
     fn seen(hand: &HandState) -> Option<Gesture> {
         let posture = Posture::of(hand, &Gestures::default());
-        Gesture::of(&posture, hand.contacts.as_ref())
+        gesture_of(&posture, hand.contacts.as_ref())
     }
 
     fn ms(ms: u64) -> Nanos {

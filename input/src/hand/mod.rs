@@ -8,8 +8,8 @@
 //! All of it is pure: the same hands at the same times give the same gestures.
 //!
 //! ```
-//! use sandtable_config::{Rig, SensorName};
-//! use sandtable_input::hand::{Gesture, GestureRecogniser};
+//! use sandtable_config::{Gesture, Rig, SensorName};
+//! use sandtable_input::hand::GestureRecogniser;
 //! use sandtable_input::{Hub, stream_of};
 //! use sandtable_pose::Nanos;
 //!
@@ -36,8 +36,10 @@ mod calibration;
 mod finger;
 mod gesture;
 mod posture;
+mod settling;
 
 pub use calibration::SensorCalibration;
 pub(crate) use finger::BentFinger;
-pub use gesture::{Gesture, GestureRecogniser};
+pub use gesture::{GestureRecogniser, gesture_of};
 pub use posture::{FingerPosture, Posture};
+pub(crate) use settling::Settling;

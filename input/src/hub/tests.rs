@@ -144,6 +144,12 @@ fn buttons_and_hands_are_as_they_were_at_a_time() {
         [at(9), at(10), at(19), at(1000)],
         [None, Some(1), Some(1), Some(6)]
     );
+    pressed(25, 0);
+    let between = |from: u64, to: u64| hub.buttons_between(&head(), time(from), time(to));
+    assert_eq!([between(0, 5), between(0, 10)], [None, Some(1)]);
+    assert_eq!([between(12, 15), between(12, 40)], [Some(1), Some(7)]);
+    assert_eq!([between(22, 40), between(25, 40)], [Some(6), Some(0)]);
+    pressed(30, 0b110);
     let hand = HandState {
         flexion: [0.0, 0.25, 0.5, 0.75, 1.0].map(|bent| Some(Flexion::of_one_sensor(bent))),
         contacts: None,
@@ -158,7 +164,8 @@ fn buttons_and_hands_are_as_they_were_at_a_time() {
     );
     assert_eq!(hub.hand_at(&head(), time(9)), None);
     assert_eq!(hub.hand_at(&head(), time(10)), Some(hand));
-    assert_eq!(hub.buttons_since(&head(), time(10)), [time(20)]);
+    let buttons = hub.buttons_since(&head(), time(20));
+    assert_eq!(buttons, [time(25), time(30)]);
     assert_eq!(hub.hands_since(&head(), time(9)), [time(10)]);
     assert_eq!(hub.hands_since(&head(), time(10)), []);
     hub.clear();

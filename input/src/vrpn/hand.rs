@@ -112,8 +112,8 @@ fn joined(touching: Fingers) -> Contacts {
 mod tests {
     use super::*;
     use crate::Flexion;
-    use crate::hand::{Gesture, Posture};
-    use sandtable_config::{Device, Gestures, Rig};
+    use crate::hand::{Posture, gesture_of};
+    use sandtable_config::{Device, Gesture, Gestures, Rig};
 
     fn hand(lines: &str) -> VrpnHand {
         let text = format!(
@@ -191,7 +191,7 @@ mod tests {
         ] {
             let told = glove.touch(pressed << 5).unwrap();
             let posture = Posture::of(&told, &Gestures::default());
-            assert_eq!(Gesture::of(&posture, told.contacts.as_ref()), gesture);
+            assert_eq!(gesture_of(&posture, told.contacts.as_ref()), gesture);
         }
         glove.restart();
         assert_eq!(glove.hand, HandState::default());

@@ -100,9 +100,9 @@ mod tests {
     use super::super::Motion;
     use super::*;
     use crate::data_glove::{DataGloveStream, report_values};
-    use crate::hand::{Gesture, Posture};
+    use crate::hand::{Posture, gesture_of};
     use crate::{HandState, Sample, Stream};
-    use sandtable_config::{Device, Gestures, Rig, Side};
+    use sandtable_config::{Device, Gesture, Gestures, Rig, Side};
     use sandtable_pose::Nanos;
 
     fn rig(settings: &str) -> DataGlove {
@@ -178,7 +178,7 @@ mod tests {
                 let glove = SimulatedDataGlove::new(&rig, settings(motion, 2));
                 let hand = read(&mut DataGloveStream::new(&rig), &glove, 0);
                 let posture = Posture::of(&hand, &Gestures::default());
-                assert_eq!(Gesture::of(&posture, None), Some(gesture), "{name}");
+                assert_eq!(gesture_of(&posture, None), Some(gesture), "{name}");
             }
         }
     }

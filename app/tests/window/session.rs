@@ -1,8 +1,7 @@
-//! The real window, on a virtual X server: panel, terrain and stereo on a screenshot.
+//! A window on an X server of its own, and what people do to it.
 
 use image::RgbaImage;
 use std::cell::Cell;
-use std::collections::HashSet;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -32,7 +31,8 @@ impl Drop for Running {
 fn x_server() -> Option<(Running, String)> {
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-screen", "0", "1280x800x24"])
-        .args(["-nolisten", "tcp"])
+        // Whoever comes after the last one has left must not find it beginning anew.
+        .args(["-nolisten", "tcp", "-noreset"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -58,7 +58,7 @@ fn xdotool(display: &str, arguments: &[&str]) -> Option<String> {
 }
 
 /// Tries until there is a value.
-fn wait_for<T>(what: &str, mut value: impl FnMut() -> Option<T>) -> T {
+pub(crate) fn wait_for<T>(what: &str, mut value: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
         if let Some(value) = value() {
@@ -70,9 +70,9 @@ fn wait_for<T>(what: &str, mut value: impl FnMut() -> Option<T>) -> T {
 }
 
 /// The program with its window on an X server of its own.
-struct Session {
+pub(crate) struct Session {
     program: Running,
-    window: String,
+    pub(crate) window: String,
     display: String,
     folder: tempfile::TempDir,
     /// Screenshots taken.
@@ -81,8 +81,8 @@ struct Session {
 }
 
 impl Session {
-    /// Opens the window, or says why it cannot be tried here.
-    fn open() -> Option<Self> {
+    /// Opens the window by `fly` and these arguments, or says why it cannot be tried here.
+    pub(crate) fn open(arguments: &[&str]) -> Option<Self> {
         let Some((server, display)) = x_server() else {
             eprintln!("skipped: Xvfb is not installed (Debian: xvfb)");
             return None;
@@ -93,7 +93,8 @@ impl Session {
         }
         let folder = tempfile::tempdir().expect("a temporary folder");
         let program = Command::new(env!("CARGO_BIN_EXE_sandtable"))
-            .args(["fly", "builtin:jacksboro"])
+            .arg("fly")
+            .args(arguments)
             .current_dir(folder.path())
             .env("DISPLAY", &display)
             .env_remove("WAYLAND_DISPLAY")
@@ -122,18 +123,18 @@ impl Session {
         })
     }
 
-    fn xdotool(&self, arguments: &[&str]) {
+    pub(crate) fn xdotool(&self, arguments: &[&str]) {
         let done = xdotool(&self.display, arguments);
         assert!(done.is_some(), "xdotool failed: {arguments:?}");
     }
 
-    fn key(&self, name: &str) {
+    pub(crate) fn key(&self, name: &str) {
         self.xdotool(&["windowfocus", &self.window]);
         self.xdotool(&["key", name]);
     }
 
     /// Takes screenshots until one is good, and returns that.
-    fn shoot_until(&self, what: &str, good: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+    pub(crate) fn shoot_until(&self, what: &str, good: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
         wait_for(what, || {
             self.shots.set(self.shots.get() + 1);
             let name = format!("sandtable-{:04}.png", self.shots.get());
@@ -147,84 +148,9 @@ impl Session {
     }
 
     /// Closes the window and checks that the program ends well.
-    fn close(mut self) {
+    pub(crate) fn close(mut self) {
         self.key("Escape");
         let status = wait_for("the end", || self.program.ended());
         assert!(status.success(), "{status}");
     }
-}
-
-/// Rows of the picture that show terrain, whatever lies above and below.
-const TERRAIN_ROWS: [f64; 2] = [0.3, 0.6];
-
-fn shows_terrain(image: &RgbaImage) -> bool {
-    colours(image, [0.0, 1.0], TERRAIN_ROWS) > 300
-}
-
-/// How many colours a part of the image has, on every fourth pixel.
-fn colours(image: &RgbaImage, columns: [f64; 2], rows: [f64; 2]) -> usize {
-    let span = |share: [f64; 2], side: u32| share.map(|share| (share * f64::from(side)) as u32);
-    let ([left, right], [top, bottom]) = (span(columns, image.width()), span(rows, image.height()));
-    (top..bottom)
-        .step_by(4)
-        .flat_map(|j| (left..right).step_by(4).map(move |i| (i, j)))
-        .map(|(i, j)| image.get_pixel(i, j).0)
-        .collect::<HashSet<_>>()
-        .len()
-}
-
-#[test]
-fn a_screenshot_shows_terrain_and_panel_and_stereo_halves() {
-    let Some(session) = Session::open() else {
-        return;
-    };
-    // The first casts may still be under way at the first shots.
-    let with_panel = session.shoot_until("terrain", shows_terrain);
-    session.key("Tab");
-    let bare = session.shoot_until("a picture without the panel", |image| *image != with_panel);
-    assert_eq!(with_panel.dimensions(), bare.dimensions());
-    let bottom = |image: &RgbaImage| colours(image, [0.0, 1.0], [0.97, 1.0]);
-    assert!(bottom(&with_panel) < bottom(&bare), "no panel below");
-    let top = |image: &RgbaImage| {
-        let rows = image.rows().take(100);
-        rows.flatten().copied().collect::<Vec<_>>()
-    };
-    assert_eq!(top(&with_panel), top(&bare), "the panel hides the picture");
-
-    session.key("2");
-    let pair = session.shoot_until("a stereo pair", |image| {
-        let half = image.width() / 2;
-        let rows = image.height() * 3 / 10..image.height() * 6 / 10;
-        let differing = rows
-            .flat_map(|j| (0..half).map(move |i| (i, j)))
-            .filter(|&(i, j)| image.get_pixel(i, j) != image.get_pixel(i + half, j))
-            .count();
-        *image != bare && differing > 100
-    });
-    for half in [[0.0, 0.5], [0.5, 1.0]] {
-        let seen = colours(&pair, half, TERRAIN_ROWS);
-        assert!(seen > 300, "one eye sees no terrain");
-    }
-    session.close();
-}
-
-#[test]
-fn resizes_and_being_unmapped_are_survived() {
-    let Some(session) = Session::open() else {
-        return;
-    };
-    session.shoot_until("terrain", shows_terrain);
-    let window = session.window.clone();
-    for step in 0..30 {
-        let width = (300 + step * 137 % 700).to_string();
-        let height = (200 + step * 253 % 500).to_string();
-        session.xdotool(&["windowsize", &window, &width, &height]);
-    }
-    session.xdotool(&["windowunmap", "--sync", &window]);
-    session.xdotool(&["windowmap", "--sync", &window]);
-    session.xdotool(&["windowsize", &window, "905", "603"]);
-    session.shoot_until("terrain at the new size", |image| {
-        image.dimensions() == (905, 603) && shows_terrain(image)
-    });
-    session.close();
 }
