@@ -3,6 +3,7 @@
 mod bench;
 mod calibrate;
 mod reproduce;
+mod simulate;
 
 pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
 pub(crate) use calibrate::{
@@ -10,13 +11,16 @@ pub(crate) use calibrate::{
     CalibrateTrackerArgs, CalibrationStep, SavingArgs,
 };
 pub(crate) use reproduce::{Paper, ReproduceArgs};
+pub(crate) use simulate::{
+    GloveHand, SimulateArgs, SimulateFlockArgs, SimulateGloveArgs, SimulatePinchArgs,
+    SimulatedDevice, SimulatedLineArgs, parse_numbers,
+};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// A sand table that you can walk around.
 ///
@@ -54,7 +58,7 @@ pub(crate) enum Command {
     Bench(BenchArgs),
     /// Redo a paper's measurements and figures, beside the paper's own numbers.
     Reproduce(ReproduceArgs),
-    /// Be a device: play a motion on a pseudo-terminal.
+    /// Be a device: play a motion on a pseudo-terminal, or as a VRPN server.
     Simulate(SimulateArgs),
     /// Record the rig's devices without opening the table.
     Record(RecordArgs),
@@ -251,75 +255,6 @@ pub(crate) struct RenderArgs {
     pub(crate) flight: Vec<f64>,
 }
 
-/// Arguments of `simulate`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sandtable simulate flock --birds 2 --link /tmp/flock")]
-pub(crate) struct SimulateArgs {
-    /// Which device.
-    #[command(subcommand)]
-    pub(crate) device: SimulatedDevice,
-}
-
-/// A device that can be simulated.
-#[derive(Debug, Subcommand)]
-pub(crate) enum SimulatedDevice {
-    /// An Ascension Flock of Birds in group mode.
-    Flock(SimulateFlockArgs),
-}
-
-/// Arguments of `simulate flock`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  sandtable simulate flock --birds 2 --link /tmp/flock\n  \
-    sandtable simulate flock --birds 1 --hold 12,3,-5,30,20,10 --baud 9600"
-)]
-pub(crate) struct SimulateFlockArgs {
-    /// How many birds.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=14))]
-    pub(crate) birds: u8,
-
-    /// The address of an Extended Range Controller; the birds take the others.
-    #[arg(long, value_name = "ADDRESS", value_parser = clap::value_parser!(u8).range(1..=15))]
-    pub(crate) erc: Option<u8>,
-
-    /// The line's speed, which paces the stream.
-    #[arg(long, value_name = "B", default_value_t = 115_200, value_parser = parse_baud)]
-    pub(crate) baud: u32,
-
-    /// Make a link at PATH to the pseudo-terminal, removed at the end.
-    #[arg(long, value_name = "PATH")]
-    pub(crate) link: Option<PathBuf>,
-
-    /// Hold a still pose: inches and degrees in the transmitter's frame; once a bird.
-    #[arg(long, value_name = "X,Y,Z,AZ,EL,ROLL", allow_hyphen_values = true, value_parser = parse_hold)]
-    pub(crate) hold: Vec<[f64; 6]>,
-
-    /// Move as the Flock of this recording did, again and again.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["hold", "motion"])]
-    pub(crate) from: Option<PathBuf>,
-
-    /// Take poses from standard input: a line BIRD,X,Y,Z,AZ,EL,ROLL holds that bird there from now
-    /// on, and is answered by its bird's number.
-    #[arg(long)]
-    pub(crate) steer: bool,
-
-    /// The motion of birds that are not held.
-    #[arg(long, value_name = "MOTION", default_value = "circle")]
-    pub(crate) motion: String,
-
-    /// Lose every Nth byte of the stream.
-    #[arg(long, value_name = "N")]
-    pub(crate) drop_every: Option<u64>,
-
-    /// Damage every Nth record: a byte lost, or a phase bit turned, at each place in turn.
-    #[arg(long, value_name = "N")]
-    pub(crate) damage_every: Option<u64>,
-
-    /// Be silent from a second of the stream on, for some seconds; may be repeated.
-    #[arg(long, value_name = "AT,FOR", value_parser = parse_stall)]
-    pub(crate) stall: Vec<(Duration, Duration)>,
-}
-
 /// Arguments of `serve-vrpn`.
 #[derive(Debug, Args)]
 #[command(
@@ -398,15 +333,6 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok([side(width)?, side(height)?])
 }
 
-/// A speed that a Flock's switches can say.
-fn parse_baud(text: &str) -> Result<u32, String> {
-    const KNOWN: [u32; 7] = [2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200];
-    text.parse()
-        .ok()
-        .filter(|baud| KNOWN.contains(baud))
-        .ok_or_else(|| format!("a Flock's line has one of {KNOWN:?} baud"))
-}
-
 /// `COL,ROW`.
 fn parse_cell(text: &str) -> Result<(u32, u32), String> {
     let wanted = || format!("{text:?} is not COLUMN,ROW, like 12,7");
@@ -417,41 +343,12 @@ fn parse_cell(text: &str) -> Result<(u32, u32), String> {
     ))
 }
 
-/// Six numbers with commas between them.
-pub(crate) fn parse_hold(text: &str) -> Result<[f64; 6], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|part| {
-            part.trim()
-                .parse::<f64>()
-                .ok()
-                .filter(|number| number.is_finite())
-        })
-        .collect::<Option<_>>()
-        .ok_or_else(|| format!("{text:?} is not X,Y,Z,AZ,EL,ROLL in inches and degrees"))?;
-    let count = numbers.len();
-    numbers
-        .try_into()
-        .map_err(|_| format!("X,Y,Z,AZ,EL,ROLL are six numbers, and these are {count}"))
-}
-
 /// How many times as fast a recording is replayed.
 fn parse_replay_speed(text: &str) -> Result<f64, String> {
     let speed = text.parse::<f64>().ok();
     speed
         .filter(|speed| (0.01..=100.0).contains(speed))
         .ok_or_else(|| format!("{text:?} is not a number from 0.01 to 100"))
-}
-
-/// When a stall begins and how long it lasts, in seconds.
-fn parse_stall(text: &str) -> Result<(Duration, Duration), String> {
-    let seconds = |part: &str| {
-        let seconds = part.trim().parse::<f64>().ok()?;
-        Duration::try_from_secs_f64(seconds).ok()
-    };
-    text.split_once(',')
-        .and_then(|(at, lasting)| Some((seconds(at)?, seconds(lasting)?)))
-        .ok_or_else(|| format!("{text:?} is not AT,FOR in seconds"))
 }
 
 #[cfg(test)]
@@ -470,28 +367,6 @@ mod tests {
         assert!(cli.command.is_none());
         assert_eq!(cli.fly.terrain.terrain.as_deref(), Some("mountains.tif"));
         assert_eq!(cli.fly.stereo, Some(StereoArg::Anaglyph));
-    }
-
-    #[test]
-    fn held_poses_may_be_negative() {
-        let cli = Cli::try_parse_from([
-            "sandtable",
-            "simulate",
-            "flock",
-            "--hold",
-            "-1,2,-3,4,5,6",
-            "--hold",
-            "0,0,0,0,0,0",
-        ])
-        .unwrap();
-        let Some(Command::Simulate(SimulateArgs {
-            device: SimulatedDevice::Flock(flock),
-        })) = cli.command
-        else {
-            panic!("not a simulation");
-        };
-        assert_eq!(flock.hold[0], [-1.0, 2.0, -3.0, 4.0, 5.0, 6.0]);
-        assert_eq!(flock.hold.len(), 2);
     }
 
     #[test]

@@ -37,7 +37,11 @@ pub(crate) fn examine(rig: Option<Rig>) -> Report {
     let mut checks = vec![
         Check::new("gpus", "GPUs", gpu::examine),
         Check::new("displays", "Displays", display::examine),
-        Check::new("serial_ports", "Serial ports (trackers)", serial::examine),
+        Check::new(
+            "serial_ports",
+            "Serial ports (trackers, PINCH gloves)",
+            serial::examine,
+        ),
         Check::new("hid_devices", "HID devices (gloves)", hid::examine),
         Check::new("gamepads", "Gamepads", gamepad::examine),
         Check::new("sound_outputs", "Sound outputs", sound::examine),

@@ -10,6 +10,7 @@ mod interrupt;
 mod live;
 mod navigation;
 mod notice;
+mod offer;
 mod partial;
 mod resident;
 mod rig;

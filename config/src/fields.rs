@@ -361,6 +361,11 @@ impl<'a> Value<'a> {
         Ok(numbers)
     }
 
+    /// Whether it is a table.
+    pub(crate) fn is_table(&self) -> bool {
+        matches!(self.value.get_ref(), DeValue::Table(_))
+    }
+
     /// A table within.
     pub(crate) fn fields(&self) -> Result<Fields<'a>, RigError> {
         match self.value.get_ref() {

@@ -47,7 +47,7 @@ pub use controls::{Flight, Gamepad};
 pub use device::{
     Addressing, AxisMap, ByteOrder, Confirm, DataGlove, Device, Dtrack, Flock, FlockMode, Gestures,
     Hemisphere, HidAddress, HidBit, HidField, HidFinger, HidGlove, Pinch, QuaternionSign, Range,
-    RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnPart,
+    RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnFinger, VrpnGlove, VrpnPart,
 };
 pub use error::RigError;
 pub use field_correction::FieldCorrection;

@@ -168,7 +168,7 @@ fn what_does_not_belong_to_the_rig_is_refused() {
     assert!(matches!(refused(&eyes()), RigError::NoHead { .. }));
     assert!(matches!(refused(&stylus()), RigError::NoSensor { .. }));
     assert!(matches!(refused(&tracker().0), RigError::NoSensor { .. }));
-    let torn = &workbench()[..workbench().len() / 2];
+    let (torn, _) = workbench().split_once("interpupillary").unwrap();
     let error = eyes().write_into(torn, "w.toml", date()).unwrap_err();
     assert!(error.to_string().contains("w.toml, line"), "{error}");
 }

@@ -386,6 +386,7 @@ fn the_workbenchs_gloves_are_what_stands_without_a_word() {
         panic!("it is a HID glove");
     };
     assert_eq!((other.product, other.fingers[1].is_some()), (0x5678, true));
+    assert!(rig.devices["far"].gestures().is_some());
 }
 
 #[test]

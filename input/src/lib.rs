@@ -9,9 +9,9 @@
 //! ```
 //!
 //! Devices are the Flock of Birds ([`flock`]), PINCH gloves ([`pinch`]), 5DT's data gloves
-//! ([`data_glove`]) and gloves that the rig describes ([`hid_glove`]); what hands mean by their
-//! fingers is told by [`hand`], whichever glove they are in. What people mean by all of it is told by
-//! [`intent`], as the rig says.
+//! ([`data_glove`]), gloves that the rig describes ([`hid_glove`]), and trackers and gloves of
+//! others' programs ([`vrpn`], [`dtrack`]); what hands mean by their fingers is told by [`hand`],
+//! whichever glove they are in. What people mean by all of it is told by [`intent`], as the rig says.
 //!
 //! Poses are in the table's frame, in metres; inches, degrees and devices' own frames end at the
 //! drivers. Decoders are pure functions of bytes and times, so that live sessions, replay and tests

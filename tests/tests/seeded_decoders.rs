@@ -3,8 +3,14 @@
 //! `SANDTABLE_INPUTS=10000000 cargo test --release -p sandtable-tests --test seeded_decoders` is the
 //! long run; without it there are enough to notice a decoder that has come to panic.
 
-use sandtable_config::Rig;
+use glam::{DQuat, DVec3};
+use sandtable_config::{Device, Rig};
+use sandtable_input::data_glove::{self, SimulatedDataGlove};
 use sandtable_input::flock::{SimulatedFlock, SimulatorSettings};
+use sandtable_input::pinch::{self, SimulatedPinch};
+use sandtable_input::vrpn::{BigEndian, COOKIE, Connection, Report, Stamp, TrackerPose};
+use sandtable_input::{Recorder, SimulatedDevice};
+use sandtable_pose::Nanos;
 use sandtable_tests::decoders::{DECODERS, Decoder};
 use std::time::{Duration, Instant};
 
@@ -48,40 +54,212 @@ fn host_bytes() -> Vec<u8> {
     bytes
 }
 
-/// An input: the seed's own bytes, or `real` ones cut out, altered, doubled and lost here and there.
-fn input(random: &mut Xorshift, real: &[u8]) -> Vec<u8> {
-    let length = random.below(300);
-    if random.below(4) == 0 {
-        return (0..length).map(|_| random.next() as u8).collect();
+/// What a PINCH box answers and tells in half a minute, without timestamps and then with them.
+fn pinch_bytes() -> Vec<u8> {
+    let mut gloves = SimulatedPinch::new(pinch::SimulatorSettings::default());
+    let second = Duration::from_secs(1);
+    gloves.receive(b"T0CTCLCR", second);
+    let mut bytes = gloves.send(15 * second);
+    gloves.receive(b"T1", 15 * second);
+    bytes.extend(gloves.send(30 * second));
+    bytes
+}
+
+/// A second of a 5DT glove of 14 sensors at work.
+fn data_glove_bytes() -> Vec<u8> {
+    let text = "name = 'd'\n[camera]\n[devices.glove]\nkind = 'data-glove'\nhand = 'left'\n\
+                sensors = 14\n";
+    let rig = Rig::parse(text, "d").expect("a rig");
+    let Device::DataGlove(described) = &rig.devices["glove"] else {
+        panic!("it is a data glove");
+    };
+    let settings = data_glove::SimulatorSettings::default();
+    let glove = SimulatedDataGlove::new(described, settings);
+    // The second in which it closes.
+    (75..150).flat_map(|number| glove.report(number)).collect()
+}
+
+/// Reports of nine bytes with the id 7.
+fn hid_glove_bytes() -> Vec<u8> {
+    let report = |n: u8| [7, n, n ^ 0x5A, 0, 0, n, n, 0xFF - n, n % 4];
+    (0..=255).flat_map(report).collect()
+}
+
+/// What a VRPN server says of a tracker, buttons and channels, without its descriptions. Some of it
+/// is no pose and no number.
+fn vrpn_messages() -> Real {
+    let mut server = Connection::new(["T", "B", "Other"]);
+    server.receive(&COOKIE).expect("a cookie");
+    server.sent(server.outgoing().len());
+    let mut starts = Vec::new();
+    for step in 0..40 {
+        let bent = f64::from(step) / 40.0;
+        let odd = [f64::NAN, f64::INFINITY, 1e300][step as usize % 3];
+        let pose = TrackerPose {
+            sensor: step % 3,
+            position: DVec3::new(0.1 * bent, if step % 10 == 9 { odd } else { 0.2 }, 0.3),
+            rotation: DQuat::from_rotation_z(bent) * if step % 10 == 4 { odd } else { 1.0 },
+        };
+        let last = if step % 5 == 2 { odd } else { -bent };
+        let channels = [bent, 0.5, 1.0 - bent, bent, last].map(f64::to_be_bytes);
+        let states = [step & 1, step >> 1 & 1, 0].map(i32::to_be_bytes);
+        let change = Report::ButtonChange {
+            button: step % 5,
+            state: step & 1,
+        };
+        for (sender, report) in [
+            (0, Report::Pose(pose)),
+            (0, Report::Channels(BigEndian(&channels))),
+            (1, Report::ButtonStates(BigEndian(&states))),
+            (1, change),
+            (2, Report::Pong),
+        ] {
+            starts.push(server.outgoing().len());
+            let stamp = Stamp::default();
+            server.report(sender, stamp, &report).expect("room");
+        }
     }
-    let from = random.below(real.len());
-    let mut bytes: Vec<u8> = [random.next() as u8, random.next() as u8].to_vec();
-    bytes.extend(real[from..].iter().take(length));
-    for _ in 0..random.below(8) {
-        let place = random.below(bytes.len());
-        match random.below(4) {
-            0 => bytes[place] ^= 1 << random.below(8),
-            1 => bytes.insert(place, random.next() as u8),
-            2 => {
-                bytes.remove(place);
-            }
-            _ => bytes.truncate(place),
+    Real {
+        starts,
+        ..Real::new(server.outgoing().to_vec())
+    }
+}
+
+/// Frames of a DTrack controller, each with a zero behind it. Some numbers are none.
+fn dtrack_frames() -> Real {
+    let unit = "[1 0 0 0 1 0 0 0 1]";
+    let frame = |n: usize| {
+        let odd = |every: usize| match n % every {
+            1 => ["nan", "inf", "1e999", "-"][n % 4],
+            _ => "0.5",
+        };
+        let (x, axis) = (odd(5), odd(3));
+        format!(
+            "fr {n}\r\n6d 2 [0 1.000][{x} -187.2 109.5 0 0 0]{unit} [1 0.9][1 2 {n} 0 0 0]{unit}\r\n\
+             6df2 1 1 [0 1.000 6 2][1000 2000 -{n}]{unit}[{} -0.50 {axis}]\r\n\0",
+            n % 64
+        )
+    };
+    let mut bytes = Vec::new();
+    let mut starts = Vec::new();
+    for n in 1..40 {
+        starts.push(bytes.len());
+        bytes.extend(frame(n).into_bytes());
+    }
+    Real {
+        starts,
+        ..Real::new(bytes)
+    }
+}
+
+/// A recording of a Flock and PINCH gloves, in front of it what says that it is the file itself.
+fn recording_bytes() -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("real.mcap");
+    let rig = Rig::builtin_text("workbench").expect("built in").to_owned()
+        + "\n[devices.pinch]\nkind = 'pinch'\nport = '/dev/ttyS0'\n";
+    let rig = Rig::parse(&rig, "r").expect("a rig");
+    let recorder = Recorder::create(&path, &rig, None, Nanos(0)).expect("a file");
+    for (device, bytes) in [("flock", flock_bytes()), ("pinch", pinch_bytes())] {
+        for (read, bytes) in (1..).zip(bytes.chunks(30)) {
+            recorder.bytes(device, Nanos(10_000_000 * read), bytes);
         }
-        if bytes.is_empty() {
-            break;
+    }
+    recorder.finish().expect("it is written");
+    let mut bytes = vec![0];
+    bytes.extend(std::fs::read(&path).expect("it is there"));
+    bytes
+}
+
+/// Messages of a recording: topic, step, length, and so many bytes.
+fn recorded_messages() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let devices = [
+        flock_bytes(),
+        pinch_bytes(),
+        data_glove_bytes(),
+        hid_glove_bytes(),
+    ];
+    let devices = devices
+        .into_iter()
+        .chain([vrpn_messages().bytes, dtrack_frames().bytes]);
+    for (topic, device) in (0..).zip(devices) {
+        for read in device.chunks(64).take(8) {
+            bytes.extend([topic, 2, read.len() as u8]);
+            bytes.extend(read);
         }
+    }
+    for text in [
+        &b"{\"event\":\"started\"}"[..],
+        b"{\"event\":\"calibration-reset\"}",
+    ] {
+        bytes.extend([6, 2, text.len() as u8]);
+        bytes.extend(text);
     }
     bytes
 }
 
-fn run(name: &str, decoder: Decoder, real: &[u8], inputs: u64) {
+/// What a decoder is fed with, altered here and there.
+struct Real {
+    bytes: Vec<u8>,
+    /// Where inputs begin.
+    starts: Vec<usize>,
+    /// The most of it in one input.
+    longest: usize,
+    /// Two bytes of the input's own come first, by which the decoder chooses.
+    choice: bool,
+}
+
+impl Real {
+    fn new(bytes: Vec<u8>) -> Self {
+        Self {
+            starts: (0..bytes.len()).collect(),
+            bytes,
+            longest: 300,
+            choice: true,
+        }
+    }
+
+    /// An input: the seed's own bytes, or real ones cut out, altered, doubled and lost here and
+    /// there.
+    fn input(&self, random: &mut Xorshift) -> Vec<u8> {
+        let length = random.below(self.longest);
+        if random.below(4) == 0 {
+            return (0..length.min(300)).map(|_| random.next() as u8).collect();
+        }
+        let from = self.starts[random.below(self.starts.len())];
+        let mut bytes = Vec::new();
+        if self.choice {
+            bytes.extend([random.next() as u8, random.next() as u8]);
+        }
+        bytes.extend(self.bytes[from..].iter().take(length));
+        for _ in 0..random.below(8) {
+            if bytes.is_empty() {
+                break;
+            }
+            let place = random.below(bytes.len());
+            match random.below(4) {
+                0 => bytes[place] ^= 1 << random.below(8),
+                1 => bytes.insert(place, random.next() as u8),
+                2 => {
+                    bytes.remove(place);
+                }
+                _ => bytes.truncate(place),
+            }
+        }
+        bytes
+    }
+}
+
+fn run(name: &str, decoder: Decoder, real: &Real, inputs: u64) {
     // Each decoder has a seed of its own that does not change when another is added.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
     let mut random = Xorshift(seed);
+    let begin = Instant::now();
     for number in 0..inputs {
-        let bytes = input(&mut random, real);
+        let bytes = real.input(&mut random);
         let start = Instant::now();
         let result = std::panic::catch_unwind(|| decoder(&bytes));
         assert!(result.is_ok(), "{name}, input {number}: {bytes:02X?}");
@@ -90,7 +268,33 @@ fn run(name: &str, decoder: Decoder, real: &[u8], inputs: u64) {
             "{name}, input {number}: {bytes:02X?}"
         );
     }
-    println!("{name}: {inputs} inputs");
+    println!("{name}: {inputs} inputs in {:.1?}", begin.elapsed());
+}
+
+/// Real reports of one length, which inputs begin with.
+fn reports(bytes: Vec<u8>, length: usize) -> Real {
+    Real {
+        starts: (0..bytes.len()).step_by(length).collect(),
+        ..Real::new(bytes)
+    }
+}
+
+/// A file as it lies there, of which inputs are all but its end, and messages for one.
+fn recordings() -> Vec<Real> {
+    let file = recording_bytes();
+    let messages = recorded_messages();
+    vec![
+        Real {
+            starts: vec![0],
+            longest: 2 * file.len(),
+            choice: false,
+            bytes: file,
+        },
+        Real {
+            longest: messages.len(),
+            ..Real::new(messages)
+        },
+    ]
 }
 
 #[test]
@@ -99,18 +303,26 @@ fn no_input_makes_a_decoder_panic_or_hang() {
     let inputs = inputs.map_or(INPUTS, |text| text.parse().expect("a number of inputs"));
     for (name, decoder) in DECODERS {
         let (real, share) = match name {
-            "flock" => (flock_bytes(), 1),
-            "flock_simulator" => (host_bytes(), 1),
+            "flock" => (vec![Real::new(flock_bytes())], 1),
+            "flock_simulator" => (vec![Real::new(host_bytes())], 1),
+            "pinch" => (vec![Real::new(pinch_bytes())], 1),
+            "data_glove" => (vec![reports(data_glove_bytes(), 64)], 1),
+            "hid_glove" => (vec![reports(hid_glove_bytes(), 9)], 1),
+            "vrpn" => (vec![vrpn_messages()], 1),
+            "dtrack" => (vec![dtrack_frames()], 1),
+            // A file has to be written for each.
+            "recording" => (recordings(), 20),
             // A whole text takes a thousand times as long as a record.
-            _ => (
-                Rig::builtin_text("workbench")
-                    .expect("built in")
-                    .as_bytes()
-                    .to_vec(),
-                100,
-            ),
+            "rig" => {
+                let text = Rig::builtin_text("workbench").expect("built in");
+                (vec![Real::new(text.as_bytes().to_vec())], 100)
+            }
+            _ => panic!("{name} is fed with nothing"),
         };
-        run(name, decoder, &real, inputs.div_ceil(share));
+        let inputs = inputs.div_ceil(share * real.len() as u64);
+        for real in &real {
+            run(name, decoder, real, inputs);
+        }
     }
 }
 

@@ -1,13 +1,11 @@
 //! `sandtable serve-vrpn`: the rig's devices for other programs.
 
 use crate::cli::ServeVrpnArgs;
+use crate::offer::Offer;
 use crate::told::Told;
 use crate::{interrupt, rig};
 use anyhow::{Result, bail};
-use sandtable_input::vrpn::{VrpnServer, VrpnServerSettings};
-use sandtable_input::{Clock, Devices, Hub};
-use std::io::Write;
-use std::sync::Arc;
+use sandtable_input::Devices;
 use std::time::Duration;
 
 /// How often devices and guests are looked at.
@@ -20,31 +18,17 @@ pub(crate) fn run(args: &ServeVrpnArgs) -> Result<()> {
     }
     // Listened to from the start: no signal may end the program with its devices still sending.
     let stop = interrupt::channel()?;
-    let hub = Arc::new(Hub::for_rig(&rig));
-    let clock = Clock::start();
-    let settings = VrpnServerSettings {
-        bind: args.listen,
-        ..VrpnServerSettings::default()
-    };
-    let server = VrpnServer::start(&settings, &hub, clock)?;
-    let devices = Devices::start(&rig, &hub, clock, None)?;
-    // The address stands alone on its line, for scripts; it must not wait in a buffer.
-    let mut out = std::io::stdout();
-    writeln!(out, "{}", server.address())?;
-    out.flush()?;
+    let mut offer = Offer::start(&rig, args.listen)?;
+    let devices = Devices::start(&rig, &offer.hub, offer.clock, None)?;
     let names: Vec<_> = rig.devices.keys().map(String::as_str).collect();
     eprintln!("serving {} by VRPN; Ctrl-C ends it", names.join(", "));
 
     let mut told = Told::default();
-    let mut guests = 0;
     while stop.recv_timeout(PERIOD).is_err() {
         told.tell(&devices);
-        if server.guests() != guests {
-            guests = server.guests();
-            eprintln!("{guests} connected");
-        }
+        offer.tell_guests();
     }
-    server.stop();
+    offer.stop();
     devices.stop();
     Ok(())
 }

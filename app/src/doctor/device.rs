@@ -1,7 +1,7 @@
 //! The devices of a rig: whether each one speaks, how fast, how evenly, and what is lost.
 
 use super::finding::{Finding, Item};
-use sandtable_config::{Rig, SensorName};
+use sandtable_config::{Device, Rig, SensorName};
 use sandtable_input::{Clock, Condition, DeviceState, Devices, Hub, StreamCounts};
 use sandtable_pose::Nanos;
 use serde_json::{Value, json};
@@ -35,10 +35,13 @@ pub(super) fn examine(rig: &Rig) -> Result<Finding, String> {
         ));
     }
     for (before, after) in before.iter().zip(&after) {
+        let Some(device) = rig.devices.get(&after.name) else {
+            continue;
+        };
         let sensors: Vec<_> = hub
             .sensors()
             .filter(|sensor| sensor.device == after.name)
-            .map(|sensor| Pace::of(&hub, sensor, from))
+            .map(|sensor| Heard::of(&hub, device, &sensor, from))
             .collect();
         report(&mut finding, before, after, &sensors);
     }
@@ -46,37 +49,100 @@ pub(super) fn examine(rig: &Rig) -> Result<Finding, String> {
     Ok(finding)
 }
 
-/// How a sensor's poses came in.
+/// How one kind of a sensor's samples came in.
 struct Pace {
-    number: u32,
-    poses: usize,
-    /// Poses a second, and the standard deviation of the time from one to the next; known from
-    /// three poses on.
+    samples: usize,
+    /// Samples a second, and the standard deviation of the time from one to the next; known from
+    /// three samples on.
     rate_and_jitter: Option<(f64, Duration)>,
 }
 
 impl Pace {
-    fn of(hub: &Hub, sensor: SensorName, from: Nanos) -> Self {
-        let times: Vec<_> = hub
-            .poses_since(&sensor, from)
-            .iter()
-            .map(|pose| pose.time)
-            .collect();
+    fn of(times: &[Nanos]) -> Self {
         Self {
-            number: sensor.number,
-            poses: times.len(),
-            rate_and_jitter: pace(&times),
+            samples: times.len(),
+            rate_and_jitter: pace(times),
+        }
+    }
+
+    /// `what` are the samples, as `poses`.
+    fn in_words(&self, what: &str) -> String {
+        match self.rate_and_jitter {
+            Some((rate, jitter)) => {
+                let jitter = 1e3 * jitter.as_secs_f64();
+                format!("{rate:.1} {what} a second, ± {jitter:.2} ms")
+            }
+            None => format!("{} {what}", self.samples),
         }
     }
 
     fn json(&self) -> Value {
         let (rate, jitter) = self.rate_and_jitter.unzip();
         json!({
-            "number": self.number,
-            "poses": self.poses,
+            "samples": self.samples,
             "rate_hz": rate,
             "jitter_ms": jitter.map(|jitter| 1e3 * jitter.as_secs_f64()),
         })
+    }
+}
+
+/// What came of a sensor.
+struct Heard {
+    number: u32,
+    /// Of a tracker, and of a glove that tells where it is.
+    poses: Option<Pace>,
+    /// Of a glove, with what is to be said of its fingers.
+    hands: Option<(Pace, Option<&'static str>)>,
+    /// Where there were any.
+    buttons: Option<Pace>,
+}
+
+impl Heard {
+    fn of(hub: &Hub, device: &Device, sensor: &SensorName, from: Nanos) -> Self {
+        let poses = hub.poses_since(sensor, from);
+        let poses: Vec<Nanos> = poses.iter().map(|pose| pose.time).collect();
+        let hands = hub.hands_since(sensor, from);
+        let buttons = hub.buttons_since(sensor, from);
+        let is_glove = device.gestures().is_some();
+        let remark = match device {
+            Device::Pinch(_) if hands.is_empty() => Some("it tells changes only"),
+            _ if hands.is_empty() || hub.hand_at(sensor, Nanos(u64::MAX)).is_some() => None,
+            _ => Some("its fingers are not known yet: open and close the hand a few times"),
+        };
+        Self {
+            number: sensor.number,
+            poses: (!is_glove || !poses.is_empty()).then(|| Pace::of(&poses)),
+            hands: is_glove.then(|| (Pace::of(&hands), remark)),
+            buttons: (!buttons.is_empty()).then(|| Pace::of(&buttons)),
+        }
+    }
+
+    fn in_words(&self) -> String {
+        let mut parts: Vec<String> = self.poses.iter().map(|p| p.in_words("poses")).collect();
+        if let Some((hands, remark)) = &self.hands {
+            let remark = remark.map_or(String::new(), |remark| format!(" ({remark})"));
+            parts.push(hands.in_words("hands") + &remark);
+        }
+        parts.extend(self.buttons.iter().map(|b| b.in_words("states of buttons")));
+        format!("sensor {}: {}", self.number, parts.join("; "))
+    }
+
+    /// The poses' numbers stand in the sensor itself, those of hands and buttons in their own.
+    fn json(&self) -> Value {
+        let mut sensor = json!({ "number": self.number });
+        if let Some(poses) = &self.poses {
+            let told = poses.json();
+            sensor["poses"] = told["samples"].clone();
+            sensor["rate_hz"] = told["rate_hz"].clone();
+            sensor["jitter_ms"] = told["jitter_ms"].clone();
+        }
+        if let Some((hands, _)) = &self.hands {
+            sensor["hands"] = hands.json();
+        }
+        if let Some(buttons) = &self.buttons {
+            sensor["buttons"] = buttons.json();
+        }
+        sensor
     }
 }
 
@@ -102,7 +168,7 @@ fn lost(counts: &StreamCounts) -> u64 {
         + counts.refused
 }
 
-fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sensors: &[Pace]) {
+fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sensors: &[Heard]) {
     let records = after.counts.records - before.counts.records;
     let lost = lost(&after.counts) - lost(&before.counts);
     let stray = after.counts.stray_bytes - before.counts.stray_bytes;
@@ -117,14 +183,7 @@ fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sens
     } else {
         detail += &format!(", {records} records in 2 s, {lost} lost, {stray} stray bytes");
         for sensor in sensors {
-            detail += &match sensor.rate_and_jitter {
-                Some((rate, jitter)) => format!(
-                    "\n    sensor {}: {rate:.1} poses a second, ± {:.2} ms",
-                    sensor.number,
-                    1e3 * jitter.as_secs_f64()
-                ),
-                None => format!("\n    sensor {}: {} poses", sensor.number, sensor.poses),
-            };
+            detail += &format!("\n    {}", sensor.in_words());
         }
         if lost > 0 {
             finding.advise(format!(
@@ -142,7 +201,7 @@ fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sens
             "records": records,
             "lost": lost,
             "stray_bytes": stray,
-            "sensors": sensors.iter().map(Pace::json).collect::<Vec<_>>(),
+            "sensors": sensors.iter().map(Heard::json).collect::<Vec<_>>(),
         }),
     ));
 }
@@ -150,6 +209,7 @@ fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sens
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sandtable_input::{HidError, stream_of, udev_rule};
 
     #[test]
     fn rate_and_jitter_are_those_of_the_intervals() {
@@ -159,5 +219,63 @@ mod tests {
         // 0, 0, 2 and −2 ms off.
         assert!((jitter.as_secs_f64() - 2e-3 / f64::sqrt(2.0)).abs() < 1e-9);
         assert_eq!(pace(&times[..2]), None);
+    }
+
+    #[test]
+    fn a_glove_is_told_by_its_hands() {
+        let text = "name = 'g'\n[camera]\n[devices.glove]\nkind = 'hid-glove'\nhand = 'left'\n\
+                    vendor = 1\nproduct = 2\nbuttons = [{ byte = 0 }]\n\
+                    fingers = { index = { byte = 1 } }\n";
+        let rig = Rig::parse(text, "g").expect("a rig");
+        let (hub, device) = (Hub::for_rig(&rig), &rig.devices["glove"]);
+        let mut stream = stream_of(device);
+        let mut push = |report: &[u8], ms: u64| {
+            let time = Nanos(ms * 1_000_000);
+            stream.push(report, time, &mut |sample| hub.push("glove", sample));
+        };
+        let sensor = hub.sensors().next().expect("one glove");
+        let told = |from| Heard::of(&hub, device, &sensor, Nanos(from)).in_words();
+        assert_eq!(told(0), "sensor 1: 0 hands");
+        for step in 1..=5 {
+            push(&[1, 100], 20 * step);
+        }
+        assert_eq!(
+            told(0),
+            "sensor 1: 50.0 hands a second, ± 0.00 ms (its fingers are not known yet: open and \
+             close the hand a few times); 50.0 states of buttons a second, ± 0.00 ms"
+        );
+        push(&[1, 200], 120);
+        let heard = Heard::of(&hub, device, &sensor, Nanos(0));
+        assert!(
+            heard
+                .in_words()
+                .starts_with("sensor 1: 50.0 hands a second, ± 0.00 ms; ")
+        );
+        let json = heard.json();
+        assert_eq!(json["hands"]["samples"], 6);
+        assert_eq!(json["buttons"]["samples"], 6);
+        assert_eq!(json.get("poses"), None);
+    }
+
+    #[test]
+    fn a_glove_that_is_not_permitted_comes_with_its_udev_rule() {
+        let denied = HidError::Denied {
+            path: "/dev/hidraw3".into(),
+            rule: udev_rule(0x5D70, 0x0010),
+        };
+        let state = |condition| DeviceState {
+            name: "glove".into(),
+            condition,
+            counts: StreamCounts::default(),
+        };
+        let after = state(Condition::Waiting(denied.to_string()));
+        let mut finding = Finding::default();
+        report(&mut finding, &state(Condition::Starting), &after, &[]);
+        assert!(finding.to_string().contains(&udev_rule(0x5D70, 0x0010)));
+        assert!(finding.advice[0].contains("/dev/hidraw3"), "{finding}");
+        assert!(
+            finding.advice[0].contains("70-sandtable.rules"),
+            "{finding}"
+        );
     }
 }

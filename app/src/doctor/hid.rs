@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use sandtable_input::udev_rule;
 use serde_json::json;
 
 use super::access;
@@ -71,16 +72,16 @@ fn judge(devices: &[Device]) -> Finding {
             finding.advise(format!(
                 "If {name} is a glove, permit it: write this line to \
                  /etc/udev/rules.d/70-sandtable.rules\n\
-                 KERNEL==\"hidraw*\", ATTRS{{idVendor}}==\"{vendor}\", \
-                 ATTRS{{idProduct}}==\"{product}\", TAG+=\"uaccess\"\n\
-                 then: sudo udevadm control --reload && sudo udevadm trigger, and plug it in anew."
+                 {}\n\
+                 then: sudo udevadm control --reload && sudo udevadm trigger, and plug it in anew.",
+                udev_rule(device.ids[0], device.ids[1])
             ));
         }
     }
     if devices.is_empty() {
         finding.advise(
             "There is none; a data glove shows up here once it is plugged in. The mouse serves as \
-             a hand until then."
+             a hand until then, and sandtable simulate glove plays one by VRPN."
                 .to_owned(),
         );
     }

@@ -53,8 +53,9 @@ fn judge(ports: &[(SerialPortInfo, bool, Option<String>)]) -> Finding {
     }
     if ports.is_empty() {
         finding.advise(
-            "There is none; a tracker needs one, or a USB adapter, which shows up here once it is \
-             plugged in. Without: sandtable simulate flock plays a tracker on a pseudo-terminal."
+            "There is none; a tracker needs one, and so do PINCH gloves, or a USB adapter, which \
+             shows up here once it is plugged in. Without: sandtable simulate flock, or simulate \
+             pinch, plays one on a pseudo-terminal."
                 .to_owned(),
         );
     }

@@ -53,7 +53,7 @@ fn programs_get_the_same_as_json() {
 #[test]
 fn a_rigs_devices_are_listened_to() {
     let folder = Folder::new();
-    let flock = crate::simulate::Flock::start(&folder, "--damage-every 20");
+    let flock = crate::simulate::Simulated::start(&folder, "flock", "--damage-every 20");
     let said = folder.run(&format!(
         "doctor --json --rig workbench --device flock={}",
         flock.path.display()

@@ -9,6 +9,8 @@ mod calibrate;
 mod doctor;
 mod fly;
 mod formats;
+#[cfg(unix)]
+mod gloves;
 mod help;
 mod info;
 mod output;

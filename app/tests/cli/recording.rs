@@ -32,14 +32,14 @@ mod of_a_flock {
     use super::RIG;
     use crate::formats::avi;
     use crate::program::{Folder, Running, sandtable, wait_for};
-    use crate::simulate::Flock;
+    use crate::simulate::Simulated;
     use std::fs::File;
     use std::time::Duration;
 
     /// Records a second and a half of a moving head to whole.mcap.
     fn record(folder: &Folder) {
         folder.write("rig.toml", RIG);
-        let _flock = Flock::start(folder, "--birds 1 --motion sway-right --link bird");
+        let _flock = Simulated::start(folder, "flock", "--birds 1 --motion sway-right --link bird");
         let mut command = sandtable(folder.path());
         command.args("record builtin:ridges?size=65 --rig rig.toml".split(' '));
         command.args("--device flock=bird -o whole.mcap".split(' '));

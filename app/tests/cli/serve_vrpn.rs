@@ -1,7 +1,7 @@
 //! `sandtable serve-vrpn`: a simulated Flock for another program, which is played here by hand.
 
 use crate::program::{Folder, Running, sandtable};
-use crate::simulate::Flock;
+use crate::simulate::Simulated;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::Stdio;
@@ -17,7 +17,11 @@ fn lengths(header: &[u8; 24]) -> (usize, usize) {
 #[test]
 fn another_program_hears_the_birds() {
     let folder = Folder::new();
-    let flock = Flock::start(&folder, "--hold 12,3,-5,0,0,0 --hold 8,-2,-6,0,0,0");
+    let flock = Simulated::start(
+        &folder,
+        "flock",
+        "--hold 12,3,-5,0,0,0 --hold 8,-2,-6,0,0,0",
+    );
     let mut command = sandtable(folder.path());
     let device = format!("flock={}", flock.path.display());
     command.args(["serve-vrpn", "--listen", "127.0.0.1:0", "--device", &device]);

@@ -1,22 +1,22 @@
-//! `sandtable simulate flock`: its path, its link, its end.
+//! `sandtable simulate`: its path, its link, its end.
 
 use crate::program::{Folder, Running, sandtable};
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// A simulated Flock that runs until it is dropped.
-pub(crate) struct Flock {
+/// A simulated device that runs until it is dropped.
+pub(crate) struct Simulated {
     pub(crate) program: Running,
-    /// The first line that it printed.
+    /// The first line that it printed: its path, or its address.
     pub(crate) path: PathBuf,
 }
 
-impl Flock {
+impl Simulated {
     /// Starts one in `folder`; it is there when this returns.
-    pub(crate) fn start(folder: &Folder, arguments: &str) -> Self {
+    pub(crate) fn start(folder: &Folder, device: &str, arguments: &str) -> Self {
         let mut command = sandtable(folder.path());
-        command.args(["simulate", "flock"]);
+        command.args(["simulate", device]);
         command.args(arguments.split(' ').filter(|argument| !argument.is_empty()));
         command.stdout(Stdio::piped()).stderr(Stdio::null());
         let mut program = Running(command.spawn().expect("the program starts"));
@@ -31,7 +31,7 @@ impl Flock {
 #[test]
 fn its_path_stands_alone_on_the_first_line() {
     let folder = Folder::new();
-    let flock = Flock::start(&folder, "--birds 1");
+    let flock = Simulated::start(&folder, "flock", "--birds 1");
     assert!(flock.path.is_absolute(), "{:?}", flock.path);
     let kind = std::fs::metadata(&flock.path).unwrap().file_type();
     use std::os::unix::fs::FileTypeExt;
@@ -42,7 +42,7 @@ fn its_path_stands_alone_on_the_first_line() {
 fn its_link_lasts_as_long_as_it_runs() {
     let folder = Folder::new();
     for signal in ["INT", "TERM", "HUP"] {
-        let mut flock = Flock::start(&folder, "--link flock");
+        let mut flock = Simulated::start(&folder, "flock", "--link flock");
         assert_eq!(flock.path, PathBuf::from("flock"));
         let target = std::fs::read_link(folder.file("flock")).unwrap();
         assert!(target.exists(), "{target:?}");
@@ -58,7 +58,7 @@ fn the_link_of_a_killed_one_is_taken_over_and_nothing_else() {
     let folder = Folder::new();
     // As a killed one leaves it: to a terminal that is gone.
     std::os::unix::fs::symlink("/dev/pts/1048576", folder.file("flock")).unwrap();
-    let flock = Flock::start(&folder, "--link flock");
+    let flock = Simulated::start(&folder, "flock", "--link flock");
     assert_eq!(flock.path, PathBuf::from("flock"));
 
     let refused = folder.run("simulate flock --link flock");
@@ -76,20 +76,30 @@ fn the_link_of_a_killed_one_is_taken_over_and_nothing_else() {
 fn what_cannot_be_simulated_is_refused() {
     let folder = Folder::new();
     for (arguments, says) in [
-        ("--motion jump", &["jump", "still", "circle"][..]),
-        ("--birds 15", &["15", "1..=14"]),
-        ("--birds 2 --erc 4", &["1 to 3"]),
-        ("--stall 2", &["AT,FOR"]),
+        ("flock --motion jump", &["jump", "still", "circle"][..]),
+        ("flock --birds 15", &["15", "1..=14"]),
+        ("flock --birds 2 --erc 4", &["1 to 3"]),
+        ("flock --stall 2", &["AT,FOR"]),
         (
-            "--birds 1 --hold 1,2,3,4,5,6 --hold 1,2,3,4,5,6",
+            "flock --birds 1 --hold 1,2,3,4,5,6 --hold 1,2,3,4,5,6",
             &["--birds 2"],
         ),
-        ("--hold 1,2,3", &["six numbers"]),
-        ("--hold 1,2,3,4,5,nan", &["inches and degrees"]),
-        ("--baud 0", &["115200"]),
-        ("--baud 14400", &["9600"]),
+        ("flock --hold 1,2,3", &["6 numbers"]),
+        ("flock --hold 1,2,3,4,5,nan", &["inches and degrees"]),
+        ("flock --baud 0", &["115200"]),
+        ("flock --baud 14400", &["9600"]),
+        ("flock --vrpn --link here", &["--link", "--vrpn"]),
+        ("pinch --motion fist", &["fist", "open, pinch, grab, play"]),
+        ("pinch --baud 14400", &["9600"]),
+        ("pinch --without thumb", &["left", "right"]),
+        ("pinch --from a.mcap --motion grab", &["--from", "--motion"]),
+        ("glove --motion grab", &["grab", "fist, point, pinch, play"]),
+        ("glove --hold 0,0,0,0,1.1", &["0 to 1"]),
+        ("glove --hold 0,0,0", &["5 numbers"]),
+        ("glove --sensors 16", &["5 or 14"]),
+        ("glove --vrpn here", &["--vrpn"]),
     ] {
-        let refused = folder.run(&format!("simulate flock {arguments}"));
+        let refused = folder.run(&format!("simulate {arguments}"));
         refused.failed(2, says);
     }
 }

@@ -27,3 +27,18 @@ pub(super) fn read_range(
     }
     Ok([lowest, highest])
 }
+
+/// Checks that a finger has a range where none can be learnt.
+pub(super) fn need_range(
+    finger: &Value<'_>,
+    range: Option<[f64; 2]>,
+    auto_calibration: bool,
+) -> Result<(), RigError> {
+    if range.is_none() && !auto_calibration {
+        return Err(finger.error(
+            "has no `range` beside auto_calibration = false",
+            "write range = [lowest, highest], or auto_calibration = true",
+        ));
+    }
+    Ok(())
+}

@@ -1,6 +1,7 @@
 //! Gloves that are HID devices, described by the rig.
 
-use super::calibration::{read_auto_calibration, read_range};
+use super::calibration::{need_range, read_auto_calibration, read_range};
+use super::fingers::read_fingers;
 use super::gestures::{Gestures, read_gestures};
 use super::hid::{
     ByteOrder, HidAddress, Side, read_address, read_byte_order, read_id, read_side,
@@ -100,9 +101,6 @@ pub struct HidBit {
 /// The most bytes that a report has.
 const LONGEST_REPORT: u32 = 1024;
 
-/// The fingers, as they are written, the thumb first.
-const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
-
 pub(super) fn read_hid_glove(fields: &Fields<'_>) -> Result<HidGlove, RigError> {
     let id = |key: &str| -> Result<u16, RigError> {
         read_id(fields, key)?.ok_or_else(|| {
@@ -126,7 +124,7 @@ pub(super) fn read_hid_glove(fields: &Fields<'_>) -> Result<HidGlove, RigError> 
             Some(value) => Some(value.integer(1..=LONGEST_REPORT, "bytes")? as usize),
             None => None,
         },
-        fingers: read_fingers(fields, auto_calibration)?,
+        fingers: read_described(fields, auto_calibration)?,
         buttons: read_buttons(fields)?,
         auto_calibration,
         least_range,
@@ -160,7 +158,7 @@ impl HidGlove {
     }
 }
 
-fn read_fingers(
+fn read_described(
     fields: &Fields<'_>,
     auto_calibration: bool,
 ) -> Result<[Option<HidFinger>; 5], RigError> {
@@ -168,26 +166,11 @@ fn read_fingers(
         "fingers",
         "write where they are in a report, as fingers = { index = { byte = 2 } }",
     )?;
-    let fingers = value.fields()?;
-    let mut read = [None; 5];
-    for (finger, name) in read.iter_mut().zip(FINGERS) {
-        let Some(value) = fingers.get(name) else {
-            continue;
-        };
-        let described = read_finger(&value)?;
-        if described.range.is_none() && !auto_calibration {
-            return Err(value.error(
-                "has no `range` beside auto_calibration = false",
-                "write range = [lowest, highest], or auto_calibration = true",
-            ));
-        }
-        *finger = Some(described);
-    }
-    fingers.finish()?;
-    if read.iter().all(Option::is_none) {
-        return Err(value.error("is empty", "write at least one finger"));
-    }
-    Ok(read)
+    read_fingers(&value, |value| {
+        let finger = read_finger(value)?;
+        need_range(value, finger.range, auto_calibration)?;
+        Ok(finger)
+    })
 }
 
 fn read_finger(value: &Value<'_>) -> Result<HidFinger, RigError> {

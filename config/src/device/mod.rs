@@ -4,6 +4,7 @@ mod axis_map;
 mod calibration;
 mod data_glove;
 mod dtrack;
+mod fingers;
 mod flock;
 mod gestures;
 mod hid;
@@ -12,6 +13,7 @@ mod pinch;
 mod port;
 mod tracking;
 mod vrpn;
+mod vrpn_glove;
 
 pub use axis_map::AxisMap;
 pub use data_glove::DataGlove;
@@ -26,6 +28,7 @@ pub use pinch::Pinch;
 pub(crate) use port::port_remedy;
 pub use tracking::Tracking;
 pub use vrpn::{VRPN_PORT, Vrpn, VrpnAddress, VrpnPart};
+pub use vrpn_glove::{VrpnFinger, VrpnGlove};
 
 use crate::fields::Value;
 use crate::{FieldCorrection, RigError};
@@ -83,7 +86,8 @@ impl Device {
     #[must_use]
     pub fn gestures(&self) -> Option<&Gestures> {
         match self {
-            Self::Flock(_) | Self::Vrpn(_) | Self::Dtrack(_) => None,
+            Self::Flock(_) | Self::Dtrack(_) => None,
+            Self::Vrpn(vrpn) => vrpn.glove.as_ref().map(|glove| &glove.gestures),
             Self::Pinch(pinch) => Some(&pinch.gestures),
             Self::DataGlove(glove) => Some(&glove.gestures),
             Self::HidGlove(glove) => Some(&glove.gestures),

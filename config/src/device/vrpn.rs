@@ -1,6 +1,8 @@
 //! VRPN servers: trackers, buttons and analogs that others put on the network.
 
+use super::VrpnGlove;
 use super::tracking::{Tracking, read_silence, read_tracking};
+use super::vrpn_glove::read_vrpn_glove;
 use crate::RigError;
 use crate::fields::{Fields, Value};
 use std::fmt;
@@ -17,6 +19,8 @@ pub struct Vrpn {
     pub buttons: VrpnPart,
     /// Where the analogs, joysticks among them, come from, and whose they are.
     pub analogs: VrpnPart,
+    /// Which channels and buttons are the fingers of a glove, where it is one.
+    pub glove: Option<Box<VrpnGlove>>,
     /// Silence, pings unanswered, after which the server is connected to anew.
     pub silent_after: Duration,
     /// How its poses are taken.
@@ -76,10 +80,12 @@ pub(super) fn read_vrpn(fields: &Fields<'_>) -> Result<Vrpn, RigError> {
             sensor: 1,
         }),
     };
+    let (buttons, analogs) = (part("buttons")?, part("analogs")?);
     Ok(Vrpn {
         sensors,
-        buttons: part("buttons")?,
-        analogs: part("analogs")?,
+        glove: read_vrpn_glove(fields, &analogs, &buttons)?.map(Box::new),
+        buttons,
+        analogs,
         silent_after: read_silence(fields, 3.0)?,
         tracking: read_tracking(fields)?,
         address,

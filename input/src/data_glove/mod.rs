@@ -4,17 +4,21 @@
 //! report (64 bytes) --values--> raw, 12 bits --SensorCalibration--> Flexion --Sample--> hub
 //! ```
 //!
+//! The simulator makes reports from a motion, as a glove would.
+//!
 //! What is known of the reports comes from one open driver that was tested with five sensors, and
 //! from the maker's manual; the rig's settings cover where they may be wrong.
 
 mod gesture_code;
 mod products;
 mod report;
+mod simulator;
 mod stream;
 
 pub use gesture_code::{gesture_code, gesture_name};
 pub use products::{VENDOR, products};
 pub use report::{REPORT_LENGTH, VALUES, encode_report, report_values};
+pub use simulator::{Motion, SimulatedDataGlove, SimulatorSettings};
 pub use stream::DataGloveStream;
 
 use crate::device_thread::DeviceThread;

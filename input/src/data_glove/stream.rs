@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// Of 14 sensors, those at the knuckle and at the next joint of each finger. The others tell how
 /// far fingers are spread.
-const JOINTS: [[usize; 2]; 5] = [[0, 1], [3, 4], [6, 7], [9, 10], [12, 13]];
+pub(super) const JOINTS: [[usize; 2]; 5] = [[0, 1], [3, 4], [6, 7], [9, 10], [12, 13]];
 
 /// Turns one glove's reports into samples of hand 1. No port, no clock: the reports bring their
 /// times.

@@ -33,11 +33,13 @@
 //! ```
 
 mod calibration;
+mod finger;
 mod gesture;
 mod posture;
 mod settling;
 
 pub use calibration::SensorCalibration;
+pub(crate) use finger::BentFinger;
 pub use gesture::{GestureRecogniser, gesture_of};
 pub use posture::{FingerPosture, Posture};
 pub(crate) use settling::Settling;

@@ -3,8 +3,8 @@
 //! Live driver and replay run the same stream, so that a recording gives the same samples.
 
 use super::field::field_value;
-use crate::hand::SensorCalibration;
-use crate::{ButtonsSample, Flexion, HandSample, HandState, Sample, Stream, StreamCounts};
+use crate::hand::{BentFinger, SensorCalibration};
+use crate::{ButtonsSample, HandSample, HandState, Sample, Stream, StreamCounts};
 use sandtable_config::{HidBit, HidField, HidGlove};
 use sandtable_pose::Nanos;
 use std::time::Duration;
@@ -16,21 +16,11 @@ pub struct HidGloveStream {
     report_id: Option<u8>,
     report_length: Option<usize>,
     shortest_report: usize,
-    fingers: [Option<Finger>; 5],
+    fingers: [Option<(HidField, BentFinger)>; 5],
     buttons: Vec<HidBit>,
     newest: Nanos,
     counts: StreamCounts,
 }
-
-#[derive(Clone, Copy, Debug)]
-struct Finger {
-    field: HidField,
-    inverted: bool,
-    calibration: SensorCalibration,
-}
-
-/// The fingers, as the rig writes them.
-const NAMES: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
 
 impl HidGloveStream {
     /// The stream of a rig's HID glove.
@@ -40,11 +30,9 @@ impl HidGloveStream {
             let finger = finger?;
             let [lowest, highest] = finger.field.limits();
             let least = glove.least_range * (highest - lowest);
-            Some(Finger {
-                field: finger.field,
-                inverted: finger.inverted,
-                calibration: SensorCalibration::new(finger.range, glove.auto_calibration, least),
-            })
+            let grows = glove.auto_calibration;
+            let calibration = SensorCalibration::new(finger.range, grows, least);
+            Some((finger.field, BentFinger::new(finger.inverted, calibration)))
         });
         Self {
             report_id: glove.report_id,
@@ -80,15 +68,6 @@ impl HidGloveStream {
     }
 }
 
-impl Finger {
-    fn flexion(&mut self, report: &[u8]) -> Option<Flexion> {
-        let raw = field_value(&self.field, report)?;
-        let scaled = self.calibration.scaled(raw as f64)?;
-        let bent = if self.inverted { 1.0 - scaled } else { scaled };
-        Some(Flexion::of_one_sensor(bent))
-    }
-}
-
 impl Stream for HidGloveStream {
     fn push(&mut self, bytes: &[u8], arrival: Nanos, out: &mut dyn FnMut(Sample)) {
         if bytes.is_empty() {
@@ -107,10 +86,10 @@ impl Stream for HidGloveStream {
         self.counts.records += 1;
         let time = arrival.max(self.newest + Duration::from_nanos(1));
         self.newest = time;
-        let flexion = self
-            .fingers
-            .each_mut()
-            .map(|finger| finger.as_mut()?.flexion(bytes));
+        let flexion = self.fingers.each_mut().map(|finger| {
+            let (field, finger) = finger.as_mut()?;
+            finger.flexion(field_value(field, bytes)? as f64)
+        });
         self.counts.samples += 1;
         let contacts = None;
         out(Sample::Hand(HandSample {
@@ -131,18 +110,14 @@ impl Stream for HidGloveStream {
     fn restart(&mut self) {}
 
     fn reset_calibration(&mut self) {
-        for finger in self.fingers.iter_mut().flatten() {
-            finger.calibration.reset();
+        for (_, finger) in self.fingers.iter_mut().flatten() {
+            finger.reset();
         }
     }
 
     fn calibration(&self) -> Option<String> {
-        let ranges = self.fingers.iter().zip(NAMES).filter_map(|(finger, name)| {
-            let [lowest, highest] = finger.as_ref()?.calibration.range()?;
-            Some(format!("{name} range = [{lowest}, {highest}]"))
-        });
-        let ranges: Vec<String> = ranges.collect();
-        (!ranges.is_empty()).then(|| ranges.join(", "))
+        let fingers = self.fingers.each_ref();
+        BentFinger::ranges(fingers.map(|finger| finger.as_ref().map(|(_, finger)| finger)))
     }
 
     fn counts(&self) -> StreamCounts {

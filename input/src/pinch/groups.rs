@@ -26,6 +26,48 @@ impl ContactGroups {
         Some(whole)
     }
 
+    /// The groups that make the left and the right hand's contacts, or `None` where none do: a
+    /// finger that touches one that does not touch it. Which was the newest is not told by them.
+    #[must_use]
+    pub fn of_contacts(hands: &[Contacts; 2]) -> Option<Self> {
+        let mut groups = Self::default();
+        for (hand, contacts) in hands.iter().enumerate() {
+            for finger in 0..5 {
+                let this = Fingers::number(finger);
+                let (own, other) = (contacts.own[finger], contacts.other[finger]);
+                let known = groups.joined()[hand].contains(this);
+                if known || own.with(other).is_empty() {
+                    continue;
+                }
+                let own = own.with(this);
+                groups.add(if hand == 0 {
+                    [own, other]
+                } else {
+                    [other, own]
+                })?;
+            }
+        }
+        (groups.contacts() == *hands).then_some(groups)
+    }
+
+    /// What is left of them where one hand, or both, have no glove: `present` tells of the left
+    /// and the right one.
+    #[must_use]
+    pub fn of_gloves(&self, present: [bool; 2]) -> Self {
+        let mut left = Self::default();
+        for group in self.as_slice() {
+            let mut worn = *group;
+            for (fingers, present) in worn.iter_mut().zip(present) {
+                if !present {
+                    *fingers = Fingers::default();
+                }
+            }
+            // One finger alone is no group, and is left out.
+            let _ = left.add(worn);
+        }
+        left
+    }
+
     /// Adds the next older group, or gives `None` where that would be none.
     pub(super) fn add(&mut self, [left, right]: [Fingers; 2]) -> Option<()> {
         let [joined_left, joined_right] = self.joined();
@@ -103,6 +145,38 @@ mod tests {
             ContactGroups::default().contacts(),
             [Contacts::default(); 2]
         );
+    }
+
+    #[test]
+    fn contacts_are_made_of_groups_again() {
+        let thumb_index = Fingers::THUMB.with(Fingers::INDEX);
+        let groups = ContactGroups::new(&[
+            [thumb_index, Fingers::INDEX],
+            [Fingers::LITTLE, Fingers::RING.with(Fingers::LITTLE)],
+        ])
+        .unwrap();
+        let contacts = groups.contacts();
+        assert_eq!(ContactGroups::of_contacts(&contacts), Some(groups));
+        let right = ContactGroups::new(&[[NONE, thumb_index]]).unwrap();
+        assert_eq!(ContactGroups::of_contacts(&right.contacts()), Some(right));
+        // The left thumb touches an index finger that knows nothing of it.
+        let mut one_sided = [Contacts::default(); 2];
+        one_sided[0].own[0] = Fingers::INDEX;
+        assert_eq!(ContactGroups::of_contacts(&one_sided), None);
+    }
+
+    #[test]
+    fn a_hand_without_a_glove_touches_nothing() {
+        let thumb_index = Fingers::THUMB.with(Fingers::INDEX);
+        let groups = ContactGroups::new(&[
+            [thumb_index, Fingers::INDEX],
+            [Fingers::LITTLE, Fingers::LITTLE],
+        ])
+        .unwrap();
+        assert_eq!(groups.of_gloves([true; 2]), groups);
+        let left = groups.of_gloves([true, false]);
+        assert_eq!(left.as_slice(), [[thumb_index, NONE]]);
+        assert!(groups.of_gloves([false, true]).as_slice().is_empty());
     }
 
     #[test]

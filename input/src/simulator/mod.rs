@@ -5,10 +5,12 @@
 //! kind of device has its own beside its driver.
 
 mod line;
+mod mixed;
 #[cfg(unix)]
 mod pty;
 
 pub(crate) use line::SimulatedLine;
+pub(crate) use mixed::mixed;
 #[cfg(unix)]
 pub use pty::{Simulator, SimulatorError};
 

@@ -109,7 +109,14 @@ pub(crate) fn run(vrpn: &Vrpn, thread: DeviceThread) {
         vrpn: vrpn.clone(),
         text_logged: None,
     };
-    thread.run(|thread| driver.session(thread));
+    thread.run(|thread| {
+        let before = driver.stream.counts().records;
+        let result = driver.session(thread);
+        if driver.stream.counts().records > before {
+            thread.outlet.tell_calibration(&driver.stream);
+        }
+        result
+    });
 }
 
 impl Driver {
@@ -171,6 +178,7 @@ impl Driver {
             if thread.pause(Duration::ZERO).is_err() {
                 return Ok(Stopped);
             }
+            thread.outlet.reset_where_asked(&mut self.stream);
             send(line, connection)?;
             let count = line.read(&mut buffer)?;
             let arrival = thread.outlet.now();

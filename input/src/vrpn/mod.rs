@@ -18,6 +18,7 @@ mod connection;
 mod cookie;
 mod description;
 pub(crate) mod driver;
+mod hand;
 mod inbound;
 mod message;
 mod report;

@@ -3,11 +3,12 @@
 //! Live driver and replay run the same stream, so that a recording gives the same samples. Samples
 //! are dated by their arrival: a server's clock is its own.
 
+use super::hand::VrpnHand;
 use super::inbound::{Event, Inbound};
 use super::message::LengthError;
 use super::report::{Report, TrackerPose};
 use crate::tracked_sensors::{TrackedSensors, plausible};
-use crate::{AXES, AxesSample, ButtonsSample, Sample, Stream, StreamCounts};
+use crate::{AXES, AxesSample, ButtonsSample, HandSample, HandState, Sample, Stream, StreamCounts};
 use sandtable_config::Vrpn;
 use sandtable_pose::Nanos;
 
@@ -37,6 +38,8 @@ struct Device {
     tracker: usize,
     buttons: Buttons,
     analogs: Analogs,
+    /// The fingers among buttons and analogs, where it is a glove.
+    hand: Option<VrpnHand>,
     sensors: TrackedSensors<[u64; 7]>,
     counts: StreamCounts,
     others: Vec<String>,
@@ -93,6 +96,7 @@ impl VrpnStream {
                 tracker: 0,
                 buttons,
                 analogs,
+                hand: vrpn.glove.as_deref().map(VrpnHand::new),
                 sensors: TrackedSensors::new(&vrpn.tracking, vrpn.sensors),
                 counts: StreamCounts::default(),
                 others: Vec::new(),
@@ -151,7 +155,20 @@ impl Stream for VrpnStream {
         device.text = None;
         // What is held now is told anew.
         device.buttons.pressed = 0;
+        if let Some(hand) = &mut device.hand {
+            hand.restart();
+        }
         device.sensors.restart();
+    }
+
+    fn reset_calibration(&mut self) {
+        if let Some(hand) = &mut self.device.hand {
+            hand.reset_calibration();
+        }
+    }
+
+    fn calibration(&self) -> Option<String> {
+        self.device.hand.as_ref()?.calibration()
     }
 
     fn counts(&self) -> StreamCounts {
@@ -213,6 +230,9 @@ impl Device {
                         values,
                         count,
                     }));
+                    let hand = self.hand.as_mut();
+                    let told = hand.and_then(|hand| hand.bend(&values[..count]));
+                    self.tell_hand(told, arrival, out);
                 } else {
                     self.counts.implausible += 1;
                 }
@@ -252,5 +272,19 @@ impl Device {
             time: arrival,
             pressed,
         }));
+        let told = self.hand.as_mut().and_then(|hand| hand.touch(pressed));
+        self.tell_hand(told, arrival, out);
+    }
+
+    /// Lets out how the hand is, if there is one and it was told of.
+    fn tell_hand(&mut self, told: Option<HandState>, arrival: Nanos, out: &mut dyn FnMut(Sample)) {
+        if let (Some(of), Some(hand)) = (&self.hand, told) {
+            self.counts.samples += 1;
+            out(Sample::Hand(HandSample {
+                sensor: of.sensor(),
+                time: arrival,
+                hand,
+            }));
+        }
     }
 }

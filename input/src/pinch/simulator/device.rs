@@ -1,7 +1,7 @@
 //! The simulated box: what it answers and sends, byte for byte, by a clock that is handed in.
 
-use super::SimulatorSettings;
-use crate::pinch::{ContactMessage, encode_text};
+use super::{Motion, SimulatorSettings};
+use crate::pinch::{ContactGroups, ContactMessage, encode_text};
 use crate::simulator::{SimulatedDevice, SimulatedLine};
 use std::time::Duration;
 
@@ -15,6 +15,8 @@ pub struct SimulatedPinch {
     /// When the first command was obeyed: the motion counts from here.
     epoch: Option<Duration>,
     next_change: u64,
+    /// What was joined by [`SimulatedPinch::join`] and has not been told.
+    joined: Option<ContactGroups>,
     told: Duration,
     contact_bytes: u64,
     line: SimulatedLine,
@@ -29,6 +31,7 @@ impl SimulatedPinch {
             timestamps: false,
             epoch: None,
             next_change: 0,
+            joined: None,
             told: Duration::ZERO,
             contact_bytes: 0,
             line: SimulatedLine::new(settings.baud),
@@ -40,6 +43,13 @@ impl SimulatedPinch {
     #[must_use]
     pub fn epoch(&self) -> Option<Duration> {
         self.epoch
+    }
+
+    /// Joins these fingers, and no others, from the next look at the line on; the motion has ended
+    /// then. Before a host has been heard, nobody is told.
+    pub fn join(&mut self, groups: ContactGroups) {
+        self.settings.motion = Motion::Open;
+        self.joined = Some(groups);
     }
 
     fn stalled(&self, now: Duration) -> bool {
@@ -88,9 +98,15 @@ impl SimulatedPinch {
             return;
         };
         self.next_change += 1;
+        self.tell(groups, due);
+    }
+
+    /// Tells what is joined from `due` on.
+    fn tell(&mut self, groups: ContactGroups, due: Duration) {
         if self.stalled(due) {
             return;
         }
+        let groups = groups.of_gloves(self.settings.gloves);
         let ticks = due.saturating_sub(self.told).as_nanos() / self.settings.tick.as_nanos().max(1);
         self.told = due;
         let message = ContactMessage {
@@ -132,6 +148,11 @@ impl SimulatedDevice for SimulatedPinch {
             self.line.carry(due, &mut out);
             self.change(due);
         }
+        if self.epoch.is_some()
+            && let Some(groups) = self.joined.take()
+        {
+            self.tell(groups, now);
+        }
         self.line.carry(now, &mut out);
         out
     }
@@ -151,8 +172,9 @@ impl From<SimulatorSettings> for SimulatedPinch {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Faults, Motion};
+    use super::super::Faults;
     use super::*;
+    use crate::Fingers;
 
     fn ms(ms: u64) -> Duration {
         Duration::from_millis(ms)
@@ -213,6 +235,37 @@ mod tests {
         let (mut timed, _) = asked(settings, b"T1");
         // 1000 ticks of a millisecond: 0x68 + 128 * 7.
         assert_eq!(timed.send(ms(1500)), [0x81, 0x68, 0x07, 0x8F]);
+    }
+
+    #[test]
+    fn fingers_are_joined_when_told_and_the_motion_ends() {
+        let settings = SimulatorSettings {
+            motion: Motion::named("pinch").unwrap(),
+            ..SimulatorSettings::default()
+        };
+        let mut device = SimulatedPinch::new(settings);
+        let middle = [Fingers::THUMB.with(Fingers::MIDDLE), Fingers::default()];
+        device.join(ContactGroups::new(&[middle]).unwrap());
+        // Nobody has asked for anything yet.
+        assert!(device.send(ms(100)).is_empty());
+        device.receive(b"T0", ms(100));
+        let bytes = [0x82, 0x30, 0x8F, 0x80, 0x14, 0x00, 0x8F];
+        assert!(device.send(ms(100)).is_empty());
+        assert_eq!(device.send(ms(110)), bytes);
+        device.join(ContactGroups::default());
+        assert!(device.send(ms(110)).is_empty());
+        assert_eq!(device.send(ms(9000)), [0x80, 0x8F]);
+    }
+
+    #[test]
+    fn a_glove_that_is_missing_touches_nothing() {
+        let settings = SimulatorSettings {
+            motion: Motion::named("pinch").unwrap(),
+            gloves: [true, false],
+            ..SimulatorSettings::default()
+        };
+        let (_, sent) = asked(settings, b"T0");
+        assert_eq!(sent, [0x82, 0x30, 0x8F, 0x80, 0x8F]);
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! Motions: what simulated fingers do, as pure functions of the motion's time.
 
-use crate::Fingers;
 use crate::pinch::ContactGroups;
+use crate::simulator::mixed;
+use crate::{Fingers, Replay, Sample};
+use sandtable_config::Device;
+use sandtable_pose::Nanos;
 use std::time::Duration;
 
 /// What the fingers of two hands touch, and when that changes.
@@ -37,6 +40,9 @@ const PLAYED: [&[[Fingers; 2]]; 10] = [
 /// From one change of a seeded motion to the next, but for a jitter of half of that.
 const PLAYED_EVERY: Duration = Duration::from_millis(600);
 
+/// The least time that the end of a recording lasts.
+const SHORTEST_END: Duration = Duration::from_secs(1);
+
 impl Motion {
     /// The names that [`Motion::named`] knows.
     pub const NAMES: [&'static str; 4] = ["open", "pinch", "grab", "play"];
@@ -61,6 +67,38 @@ impl Motion {
         }
     }
 
+    /// What the PINCH gloves of a recording touched, from their first message to the recording's
+    /// end, and again; `None` where the device is none, or told nothing. Hands that were let go
+    /// touch nothing.
+    #[must_use]
+    pub fn recorded(replay: &Replay, device: &str) -> Option<Self> {
+        let Device::Pinch(_) = replay.rig().devices.get(device)? else {
+            return None;
+        };
+        // The left hand's sample comes first, the right one's is of the same time.
+        let mut left = None;
+        let mut changes: Vec<(Nanos, ContactGroups)> = Vec::new();
+        for sample in replay.samples(device) {
+            let Sample::Hand(hand) = sample else {
+                continue;
+            };
+            let contacts = hand.hand.contacts.unwrap_or_default();
+            if hand.sensor == 1 {
+                left = Some(contacts);
+            } else if let Some(left) = left.take() {
+                changes.push((hand.time, ContactGroups::of_contacts(&[left, contacts])?));
+            }
+        }
+        let (last, _) = *changes.last()?;
+        // The end may be the last change itself, which must show for a while.
+        let end = replay.end().max(last + SHORTEST_END);
+        let ends = changes.iter().skip(1).map(|(time, _)| *time).chain([end]);
+        let lasting = changes.iter().zip(ends);
+        let state =
+            |(&(begun, groups), end): (&(Nanos, ContactGroups), Nanos)| (end.since(begun), groups);
+        Some(Self::Repeat(lasting.map(state).collect()))
+    }
+
     /// When the change with this number, from 0, comes after the motion's begin, and what the
     /// fingers touch from then on; `None` where there is none.
     #[must_use]
@@ -73,7 +111,13 @@ impl Motion {
                 let lasting = |states: &[(Duration, ContactGroups)]| -> Duration {
                     states.iter().map(|(lasting, _)| *lasting).sum()
                 };
-                let begun = lasting(states).checked_mul(round)? + lasting(&states[..index]);
+                let whole = lasting(states);
+                // A round that takes no time would be followed by others without end.
+                if whole.is_zero() && round > 0 {
+                    return None;
+                }
+                let begun = whole.checked_mul(round)?;
+                let begun = begun.checked_add(lasting(&states[..index]))?;
                 Some((begun, states[index].1))
             }
             Self::Seeded(seed) => {
@@ -90,13 +134,6 @@ impl Motion {
             }
         }
     }
-}
-
-/// A number that seems unlike its neighbours' (SplitMix64: Steele, Lea, Flood 2014).
-fn mixed(mut number: u64) -> u64 {
-    number = (number ^ number >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    number = (number ^ number >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    number ^ number >> 31
 }
 
 #[cfg(test)]
@@ -121,6 +158,8 @@ mod tests {
         assert_eq!(motion.change(4).unwrap().1, motion.change(0).unwrap().1);
         assert_eq!(motion.change(3).unwrap().1, ContactGroups::default());
         assert_eq!(Motion::Repeat(Vec::new()).change(0), None);
+        let hasty = Motion::Repeat(vec![(Duration::ZERO, ContactGroups::default())]);
+        assert_eq!([0, 1].map(|n| hasty.change(n).is_some()), [true, false]);
         assert_eq!(Motion::Open.change(0), None);
     }
 
