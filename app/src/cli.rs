@@ -8,7 +8,7 @@ mod simulate;
 pub(crate) use bench::{BenchArgs, CastersArgs, ViewSet};
 pub(crate) use calibrate::{
     CalibrateArgs, CalibrateCheckArgs, CalibrateEyesArgs, CalibrateFieldArgs, CalibrateStylusArgs,
-    CalibrateTrackerArgs, CalibrationStep, SavingArgs,
+    CalibrateTrackerArgs, CalibrationStep, MarkSource, MeasuringArgs, SavingArgs,
 };
 pub(crate) use reproduce::{Paper, ReproduceArgs};
 pub(crate) use simulate::{
@@ -16,6 +16,7 @@ pub(crate) use simulate::{
     SimulatedDevice, SimulatedLineArgs, parse_numbers,
 };
 
+use crate::window::GuideStep;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
@@ -144,6 +145,20 @@ pub(crate) struct FlyArgs {
     /// Record devices, rig and placement to this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+
+    /// Begin with a step of the calibration: `check` touches three marks, ten seconds that tell
+    /// whether tracker and table still agree.
+    #[arg(long, value_name = "STEP", value_enum, conflicts_with_all = ["replay", "record"])]
+    pub(crate) calibrate: Option<GuideStep>,
+
+    /// Marks for calibrating in the window, in table metres; otherwise crosses on the glass.
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "glass",
+        hide_default_value = true
+    )]
+    pub(crate) marks: MarkSource,
 
     /// How both eyes reach the glass, in place of what the rig says.
     #[arg(long, value_enum, value_name = "MODE")]

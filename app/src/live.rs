@@ -1,11 +1,16 @@
 //! A session in a window: live, with its devices, or replayed.
 
+use crate::guide::{Guide, GuideSetup};
+use crate::rig;
 use crate::session::{Session, summit};
 use crate::tape::{self, Tape};
-use crate::window::{Activity, Advanced, Device, Drive, Readings, Show, Wish};
+use crate::window::{
+    Activity, Advanced, Device, Drive, GuideReadings, GuideStep, GuideWish, Readings, Show, Wish,
+};
 use glam::DVec3;
 use sandtable_audio::{Control, Output, Playback};
 use sandtable_cast::PreparedScene;
+use sandtable_config::Intent;
 use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_input::{Clock, Condition, Devices, Gamepads, Replay};
 use sandtable_pose::Nanos;
@@ -19,8 +24,8 @@ pub(crate) enum Timeline {
     Live {
         /// Since the session's start.
         clock: Clock,
-        /// The rig's devices.
-        devices: Devices,
+        /// The rig's devices, but while one of them is calibrated.
+        devices: Option<Devices>,
         /// Where they are recorded, if they are.
         tape: Option<Box<Tape>>,
     },
@@ -46,6 +51,8 @@ pub(crate) struct Live {
     intents: IntentState,
     sound: Option<(Control, Output)>,
     summit: DVec3,
+    setup: GuideSetup,
+    guide: Option<Guide>,
 }
 
 impl Live {
@@ -55,6 +62,7 @@ impl Live {
         timeline: Timeline,
         gamepads: Option<Gamepads>,
         mute: bool,
+        setup: GuideSetup,
     ) -> Self {
         let sound = (!mute).then(|| Output::start(session.sound_settings()));
         let summit = summit(session.ground());
@@ -65,6 +73,8 @@ impl Live {
             intents: IntentState::default(),
             sound,
             summit,
+            setup,
+            guide: None,
         }
     }
 
@@ -72,11 +82,63 @@ impl Live {
     pub(crate) fn end(self) -> Option<Box<Tape>> {
         match self.timeline {
             Timeline::Live { devices, tape, .. } => {
-                devices.stop();
+                drop(devices);
                 tape
             }
             Timeline::Replayed { .. } => None,
         }
+    }
+
+    /// Begins a step of the calibration.
+    pub(crate) fn begin_guide(&mut self, step: GuideStep) {
+        let Timeline::Live { devices, tape, .. } = &mut self.timeline else {
+            return self.session.say("a replay is not calibrated");
+        };
+        if tape.is_some() {
+            let why =
+                "a recording has one rig from its begin to its end: calibrate without --record";
+            return self.session.say(why);
+        }
+        match Guide::begin(step, &self.setup, self.session.rig(), devices) {
+            Ok(guide) => self.guide = Some(guide),
+            Err(error) => self.session.say(format!("{error:#}")),
+        }
+    }
+
+    /// Takes in what the calibration says; at its end, the rig as it is then.
+    fn follow_guide(&mut self) {
+        let Some(written) = self.guide.as_mut().and_then(Guide::listen) else {
+            return;
+        };
+        if !written.is_empty() {
+            self.setup.rig = written;
+        }
+        match rig::open(&self.setup.rig, &self.setup.device) {
+            Ok(rig) => self.session.adopt(rig),
+            Err(error) => self.session.say(format!("{error:#}")),
+        }
+        let Timeline::Live { clock, devices, .. } = &mut self.timeline else {
+            return;
+        };
+        match Devices::start(self.session.rig(), self.session.hub(), *clock, None) {
+            Ok(started) => *devices = Some(started),
+            Err(error) => self.session.say(error.to_string()),
+        }
+    }
+
+    fn guide_readings(&self) -> Option<GuideReadings> {
+        let guide = self.guide.as_ref()?;
+        let question = guide.question();
+        let mark = question.and_then(|(_, mark)| self.session.on_glass(mark?));
+        Some(GuideReadings {
+            title: guide.step().name(),
+            lines: guide.lines().to_vec(),
+            question: question.map(|(prompt, _)| prompt.to_owned()),
+            mark: mark.map(|(at, _)| at),
+            // A ruler's error is no height.
+            mark_is_raised: mark.is_some_and(|(_, above)| above > 2e-3),
+            ended: guide.has_ended(),
+        })
     }
 
     /// Shows what a replay has come to; at its end it begins anew or stays.
@@ -115,7 +177,16 @@ impl Show for Live {
             Timeline::Live { clock, tape, .. } => {
                 let time = clock.now();
                 self.intents = self.session.take_in(time, &desk);
-                moving |= self.session.drive(&self.intents, &drive.mouse, step);
+                match &mut self.guide {
+                    None => moving |= self.session.drive(&self.intents, &drive.mouse, step),
+                    // Whoever acts says "now", and moves nothing.
+                    Some(guide) => {
+                        if self.intents.begins(Intent::Act) {
+                            guide.answer(String::new());
+                        }
+                        moving = true;
+                    }
+                }
                 moving |= !self.session.rig().devices.is_empty();
                 if let Some(tape) = tape
                     && let Err(error) = tape.follow(&self.session, time)
@@ -131,6 +202,7 @@ impl Show for Live {
             }
         }
         moving |= self.intents.is_active();
+        self.follow_guide();
         if let Some((control, _)) = &mut self.sound {
             control.set(self.session.soundscape(self.summit));
         }
@@ -153,8 +225,10 @@ impl Show for Live {
 
     fn readings(&self) -> Readings {
         let mut readings = self.session.readings();
+        readings.guide = self.guide_readings();
         if let Timeline::Live { devices, tape, .. } = &self.timeline {
-            for state in devices.states() {
+            readings.can_calibrate = readings.table.is_some() && devices.is_some();
+            for state in devices.iter().flat_map(Devices::states) {
                 let (words, works) = match state.condition {
                     Condition::Starting => ("starting".to_owned(), false),
                     Condition::Streaming => ("streaming".to_owned(), true),
@@ -200,7 +274,16 @@ impl Show for Live {
     }
 
     fn apply(&mut self, wish: Wish) {
-        self.session.apply(wish);
+        match (wish, &mut self.guide) {
+            (Wish::Guide(GuideWish::Begin(step)), None) => self.begin_guide(step),
+            (Wish::Guide(GuideWish::Answer(line)), Some(guide)) => guide.answer(line),
+            (Wish::Guide(GuideWish::Stop), Some(guide)) => guide.end(),
+            (Wish::Guide(GuideWish::Close), guide) => {
+                guide.take_if(|guide| guide.has_ended());
+            }
+            (Wish::Guide(_), _) => {}
+            (wish, _) => self.session.apply(wish),
+        }
     }
 }
 

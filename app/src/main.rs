@@ -6,6 +6,7 @@ mod doctor;
 mod exit;
 mod files;
 mod film;
+mod guide;
 mod interrupt;
 mod live;
 mod navigation;

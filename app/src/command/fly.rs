@@ -3,6 +3,7 @@
 use crate::cli::FlyArgs;
 use crate::exit::usage;
 use crate::film::Film;
+use crate::guide::GuideSetup;
 use crate::live::{Live, Timeline, frame_time};
 use crate::notice::notice;
 use crate::session::Session;
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
                     let devices = Devices::start(session.rig(), session.hub(), clock, recorder)?;
                     Timeline::Live {
                         clock,
-                        devices,
+                        devices: Some(devices),
                         tape,
                     }
                 }
@@ -87,6 +88,11 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
             in_window(args, display, session, timeline, pool)
         }
         Err(why) => {
+            if args.calibrate.is_some() {
+                return Err(usage(format!(
+                    "--calibrate needs a display ({why}); without one, use: sandtable calibrate"
+                )));
+            }
             if args.record.is_some() {
                 return Err(usage(format!(
                     "--record needs a display ({why}); without one, use: sandtable record"
@@ -139,7 +145,15 @@ fn in_window(
             None
         }
     };
-    let mut live = Live::new(session, timeline, gamepads, args.mute);
+    let setup = GuideSetup {
+        rig: args.rig.clone().unwrap_or_else(|| "desktop".to_owned()),
+        device: args.device.clone(),
+        marks: args.marks.clone(),
+    };
+    let mut live = Live::new(session, timeline, gamepads, args.mute, setup);
+    if let Some(step) = args.calibrate {
+        live.begin_guide(step);
+    }
     let shown = display.run(options, pool, &mut live);
     let tape = live.end();
     if let (Some(tape), Some(path)) = (tape, &args.record) {

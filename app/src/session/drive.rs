@@ -107,8 +107,9 @@ impl Session {
                 Ok(caster) => self.change_caster(caster),
                 Err(error) => self.say(format!("{error:#}")),
             },
-            // A camera has no table, and what is not a number is no wish.
-            (Wish::Position(_) | Wish::Table(_), _) => {}
+            // A camera has no table, and what is not a number is no wish; a calibration is not the
+            // session's own.
+            (Wish::Position(_) | Wish::Table(_) | Wish::Guide(_), _) => {}
         }
     }
 
@@ -158,6 +159,8 @@ impl Session {
                 pointed: self.doing.pointed,
             },
             devices: self.device_lines(),
+            guide: None,
+            can_calibrate: false,
             messages: self.messages.clone(),
         }
     }

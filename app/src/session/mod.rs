@@ -17,7 +17,7 @@ use crate::scene::{ChosenCaster, OpenScene};
 use crate::vantage;
 use anyhow::Result;
 use casting::Casting;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use hand::HandWork;
 use sandtable_cast::{CastPool, PreparedScene};
 use sandtable_config::{Rig, Viewing};
@@ -164,6 +164,40 @@ impl Session {
         }
     }
 
+    /// Goes on with `rig` in place of its own, which was calibrated; the world stays where it lies,
+    /// and nothing is known of the devices yet.
+    pub(crate) fn adopt(&mut self, rig: Rig) {
+        let sensors = [
+            rig.head.as_ref().and_then(|head| head.sensor.clone()),
+            rig.hand.as_ref().and_then(|hand| hand.sensor.clone()),
+        ];
+        for (body, sensor) in [&mut self.head, &mut self.hand].into_iter().zip(sensors) {
+            *body = Body::new(sensor, body.table_from_body());
+        }
+        if let (Viewpoint::Table { eyes, .. }, Some(head)) = (&mut self.viewpoint, &rig.head) {
+            *eyes = eyes_of(head);
+        }
+        if let (Viewpoint::Table { eyes, .. }, Some(head)) = (&mut self.home, &rig.head) {
+            *eyes = eyes_of(head);
+        }
+        self.hub = Arc::new(Hub::for_rig(&rig));
+        self.intents = IntentMapper::new(&rig);
+        self.rig = rig;
+    }
+
+    /// Where a place of the table is on the glass, from (0, 0) at its upper left to (1, 1) at its
+    /// lower right corner, and how far above it; both by the glass's perpendicular.
+    pub(crate) fn on_glass(&self, place: DVec3) -> Option<(DVec2, f64)> {
+        let Viewpoint::Table { screen, .. } = &self.viewpoint else {
+            return None;
+        };
+        let (across, upwards) = (screen.across(), screen.upwards());
+        let from = place - screen.upper_left;
+        let share = |side: DVec3| from.dot(side) / side.length_squared();
+        let above = from.dot(across.cross(upwards).normalize());
+        Some((DVec2::new(share(across), -share(upwards)), above))
+    }
+
     /// Takes in where head and hand are at `time`; what people mean then by their devices, and by
     /// what is pressed at the desk.
     pub(crate) fn take_in(&mut self, time: Nanos, desk: &DeskState) -> IntentState {
@@ -255,6 +289,14 @@ impl Session {
     }
 }
 
+fn eyes_of(head: &sandtable_config::Head) -> EyesInHead {
+    EyesInHead {
+        middle: head.eyes.middle,
+        rightwards: head.eyes.rightwards,
+        interpupillary: head.eyes.interpupillary,
+    }
+}
+
 /// Where a rig's people begin over `ground`.
 fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
     let extent = ground.grid().extent();
@@ -295,11 +337,7 @@ fn viewpoint(rig: &Rig, ground: &Ground) -> Viewpoint {
                     rightwards: DVec3::X,
                     interpupillary: 0.0,
                 },
-                |head| EyesInHead {
-                    middle: head.eyes.middle,
-                    rightwards: head.eyes.rightwards,
-                    interpupillary: head.eyes.interpupillary,
-                },
+                eyes_of,
             );
             Viewpoint::Table {
                 screen,

@@ -1,8 +1,9 @@
 //! A frame: advance the show, have it cast, draw what there is.
 
 use super::Wake;
+use super::guide;
 use super::open::Open;
-use super::panel::{self, Vitals};
+use super::panel::{self, Settings, Vitals};
 use super::shell::Shell;
 use super::show::Wish;
 use sandtable_cast::Request;
@@ -116,7 +117,11 @@ impl Shell<'_> {
         let input = open.egui.take_egui_input(&open.window);
         let context = open.egui.egui_ctx().clone();
         let output = context.run_ui(input, |ui| {
-            if self.panel_shown {
+            if let Some(guide) = &readings.guide {
+                // The panel would hide marks on the glass.
+                let Settings { mode, entry, .. } = &mut self.settings;
+                *wishes = guide::lay_out(ui.ctx(), guide, *mode, entry);
+            } else if self.panel_shown {
                 *wishes = panel::lay_out(ui, &mut self.settings, &readings, &vitals, &bindings);
             }
         });

@@ -11,6 +11,7 @@
 
 mod events;
 mod frame;
+mod guide;
 mod keys;
 mod mouse;
 mod open;
@@ -22,7 +23,8 @@ mod times;
 
 pub(crate) use mouse::MouseDrive;
 pub(crate) use show::{
-    Activity, Advanced, Device, Drive, HandReadings, Readings, Show, TableReadings, Wish,
+    Activity, Advanced, Device, Drive, GuideReadings, GuideStep, GuideWish, HandReadings, Readings,
+    Show, TableReadings, Wish,
 };
 
 use sandtable_cast::CastPool;

@@ -1,6 +1,6 @@
 //! The panel below the picture: where one is, how fast, by which caster and in which stereo mode.
 
-use super::show::{Device, Readings, TableReadings, Wish};
+use super::show::{Device, GuideStep, GuideWish, Readings, TableReadings, Wish};
 use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
 use sandtable_cast::CASTERS;
 use sandtable_stage::StereoMode;
@@ -15,6 +15,8 @@ pub(super) struct Settings {
     pub(super) reduction: u32,
     /// Whether the list of keys shows.
     pub(super) keys: bool,
+    /// What is being written to the calibration.
+    pub(super) entry: String,
 }
 
 /// What the panel says about the window and its threads.
@@ -62,6 +64,9 @@ pub(super) fn lay_out(
                     column(ui, "Terrain", |ui| {
                         terrain(ui, readings, &mut settings.keys);
                     });
+                    if readings.can_calibrate {
+                        column(ui, "Calibrate", |ui| calibrations(ui, &mut wishes));
+                    }
                     column(ui, "Devices", |ui| devices(ui, &readings.devices));
                 });
             });
@@ -272,6 +277,22 @@ fn devices(ui: &mut Ui, devices: &[Device]) {
     }
 }
 
+/// The calibration's steps, two a row.
+fn calibrations(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    for pair in GuideStep::ALL.chunks(2) {
+        for step in pair {
+            if ui
+                .button(step.name())
+                .on_hover_text(step.meaning())
+                .clicked()
+            {
+                wishes.push(Wish::Guide(GuideWish::Begin(*step)));
+            }
+        }
+        ui.end_row();
+    }
+}
+
 fn terrain(ui: &mut Ui, readings: &Readings, keys: &mut bool) {
     ui.label("name");
     ui.label(&readings.terrain);
@@ -312,6 +333,7 @@ mod tests {
             swap_eyes: true,
             reduction: 2,
             keys: true,
+            entry: String::new(),
         };
         let before = settings.clone();
         let context = egui::Context::default();
@@ -355,6 +377,7 @@ mod tests {
                 scale: 12_345.678,
                 exaggeration: 1.234_567,
             }),
+            can_calibrate: true,
             devices: vec![Device {
                 name: "head".into(),
                 state: "lost".into(),

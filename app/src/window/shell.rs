@@ -63,6 +63,7 @@ impl<'a> Shell<'a> {
                 swap_eyes: options.composing.swap_eyes,
                 reduction: 1,
                 keys: false,
+                entry: String::new(),
             },
             panel_shown: options.panel,
             options,

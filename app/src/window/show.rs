@@ -1,7 +1,7 @@
 //! What a window shows: the session's side of it, camera or table, live or replayed.
 
 use super::MouseDrive;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_cast::PreparedScene;
 use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_view::{Attitude, View};
@@ -85,6 +85,10 @@ pub(crate) struct Readings {
     pub(crate) hand: HandReadings,
     /// The devices and how they are.
     pub(crate) devices: Vec<Device>,
+    /// The step of the calibration that is under way.
+    pub(crate) guide: Option<GuideReadings>,
+    /// Whether one could be begun.
+    pub(crate) can_calibrate: bool,
     /// What people should know, the newest last.
     pub(crate) messages: Vec<String>,
 }
@@ -118,8 +122,87 @@ pub(crate) struct Device {
     pub(crate) works: bool,
 }
 
+/// A step of the calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum GuideStep {
+    /// Where the stylus has its tip.
+    Stylus,
+    /// How the tracker stands at the table.
+    Tracker,
+    /// How the tracker's field is bent.
+    Field,
+    /// Where the eyes sit on the head.
+    Eyes,
+    /// How far off three marks are.
+    Check,
+}
+
+impl GuideStep {
+    /// All of them, in the order in which a new table takes them.
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Stylus,
+        Self::Tracker,
+        Self::Field,
+        Self::Eyes,
+        Self::Check,
+    ];
+
+    /// What people call it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Stylus => "stylus",
+            Self::Tracker => "tracker",
+            Self::Field => "field",
+            Self::Eyes => "eyes",
+            Self::Check => "check",
+        }
+    }
+
+    /// What it finds out.
+    pub(crate) fn meaning(self) -> &'static str {
+        match self {
+            Self::Stylus => "where the stylus has its tip, by pivoting it",
+            Self::Tracker => "how the tracker stands at the table, by touching marks",
+            Self::Field => "how metal bends the tracker's field, by touching many marks",
+            Self::Eyes => "where the eyes sit on the head, by sighting over marks",
+            Self::Check => "how far off three marks are, in ten seconds",
+        }
+    }
+}
+
+/// A step of the calibration, as far as it has come.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct GuideReadings {
+    /// The step.
+    pub(crate) title: &'static str,
+    /// What was said, the newest last.
+    pub(crate) lines: Vec<String>,
+    /// What is asked now.
+    pub(crate) question: Option<String>,
+    /// The mark that is asked about: from (0, 0) at the glass's upper left to (1, 1) at its lower
+    /// right corner.
+    pub(crate) mark: Option<DVec2>,
+    /// Whether that mark stands above the glass.
+    pub(crate) mark_is_raised: bool,
+    /// Whether the step has ended.
+    pub(crate) ended: bool,
+}
+
+/// What people answer in a calibration.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum GuideWish {
+    /// Begin this step.
+    Begin(GuideStep),
+    /// This line; an empty one is "now".
+    Answer(String),
+    /// End the step without a result.
+    Stop,
+    /// Put away what it said.
+    Close,
+}
+
 /// What people ask for at the panel or by a key.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Wish {
     /// Back to where the show began.
     Home,
@@ -133,4 +216,6 @@ pub(crate) enum Wish {
     Table(TableReadings),
     /// Cast by the caster of that name, one of [`sandtable_cast::CASTERS`].
     Caster(&'static str),
+    /// Calibrate.
+    Guide(GuideWish),
 }

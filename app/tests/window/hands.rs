@@ -28,7 +28,7 @@ fn near(a: f64, b: f64, within: f64) -> bool {
 
 /// Bird 2 at `at` in table metres, its x pointing away from the user; the transmitter is the
 /// workbench's: x away from the user, y right, z down, 30 cm under the glass.
-fn held_at(at: DVec3, degrees_clockwise: f64) -> Motion {
+pub(crate) fn held_at(at: DVec3, degrees_clockwise: f64) -> Motion {
     let inches = DVec3::new(at.y, at.x, -0.30 - at.z) / 0.0254;
     Motion::hold(inches.to_array(), [degrees_clockwise, 0.0, 0.0])
 }

@@ -1,5 +1,6 @@
 //! The real window, on a virtual X server.
 
+mod calibration;
 mod hands;
 mod session;
 
