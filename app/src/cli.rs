@@ -126,7 +126,8 @@ pub(crate) struct FlyArgs {
     #[arg(long, value_name = "RIG")]
     pub(crate) rig: Option<String>,
 
-    /// Use this port for a device of the rig (may be given once for each device).
+    /// Use this port for a device of the rig, or this address of a VRPN server (may be given once for
+    /// each device).
     #[arg(long, value_name = "NAME=PORT")]
     pub(crate) device: Vec<String>,
 
@@ -281,7 +282,8 @@ pub(crate) struct ServeVrpnArgs {
     #[arg(long, value_name = "RIG", default_value = "workbench")]
     pub(crate) rig: String,
 
-    /// Use this port for a device of the rig (may be given once for each device).
+    /// Use this port for a device of the rig, or this address of a VRPN server (may be given once for
+    /// each device).
     #[arg(long, value_name = "NAME=PORT")]
     pub(crate) device: Vec<String>,
 
@@ -301,7 +303,8 @@ pub(crate) struct RecordArgs {
     #[arg(long, value_name = "RIG", default_value = "workbench")]
     pub(crate) rig: String,
 
-    /// Use this port for a device of the rig (may be given once for each device).
+    /// Use this port for a device of the rig, or this address of a VRPN server (may be given once for
+    /// each device).
     #[arg(long, value_name = "NAME=PORT")]
     pub(crate) device: Vec<String>,
 
@@ -327,7 +330,8 @@ pub(crate) struct DoctorArgs {
     #[arg(long, value_name = "RIG")]
     pub(crate) rig: Option<String>,
 
-    /// Use this port for a device of the rig (may be given once for each device).
+    /// Use this port for a device of the rig, or this address of a VRPN server (may be given once for
+    /// each device).
     #[arg(long, value_name = "NAME=PORT", requires = "rig")]
     pub(crate) device: Vec<String>,
 

@@ -95,6 +95,14 @@ pub enum RigError {
         /// The devices that it has.
         known: String,
     },
+    /// An address given beside the rig is not one.
+    #[error("`{address}` is no device of a VRPN server: {remedy}")]
+    BadAddress {
+        /// What was given.
+        address: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
     /// A port given beside the rig is not one.
     #[error("`{port}` is not a serial port: {remedy}")]
     BadPort {

@@ -3,7 +3,7 @@
 use crate::beside::Beside;
 use crate::body::{read_hand, read_head};
 use crate::controls::{read_flight, read_gamepad};
-use crate::device::{port_remedy, read_device};
+use crate::device::{VrpnAddress, port_remedy, read_device};
 use crate::fields::{Fields, Source, Value, nearest};
 use crate::intents::{Intents, read_intents};
 use crate::sensor::{SensorSettings, read_sensor_settings};
@@ -212,7 +212,8 @@ impl Rig {
         })
     }
 
-    /// Gives a device another port, as a command line may. The text stays as it was read.
+    /// Gives a device another port, as a command line may, or one of a VRPN server another address.
+    /// The text stays as it was read.
     ///
     /// # Errors
     /// [`RigError::NoDevice`] for an unknown device, [`RigError::BadPort`] for what is no port.
@@ -236,6 +237,15 @@ impl Rig {
                 known: known(),
             });
         }
+        if let Some(Device::Vrpn(vrpn)) = self.devices.get_mut(device) {
+            let text = port.display().to_string();
+            let address = VrpnAddress::parse(&text).map_err(|remedy| RigError::BadAddress {
+                address: text.clone(),
+                remedy,
+            })?;
+            vrpn.move_to(address);
+            return Ok(());
+        }
         let plain = port.to_str().ok_or_else(|| bad("its path is not UTF-8"))?;
         let text = if plain.starts_with("COM") {
             plain.to_owned()
@@ -249,7 +259,11 @@ impl Rig {
         }
         match self.devices.get_mut(device).and_then(Device::port_mut) {
             Some(port) => *port = text,
-            None => return Err(bad(&format!("the device `{device}` is on no serial port"))),
+            None => {
+                return Err(bad(&format!(
+                    "the device `{device}` is neither on one nor of a VRPN server"
+                )));
+            }
         }
         Ok(())
     }

@@ -38,6 +38,28 @@ fn error(lines: &str) -> String {
 }
 
 #[test]
+fn a_servers_address_may_come_from_the_command_line() {
+    let text = "name = 'lab'\n[camera]\n[devices.wand]\nkind = 'vrpn'\n\
+                address = 'Tracker0@lab-pc'\nbuttons = { sender = 'Button0' }\n\
+                table_from_tracker = { translation = [0.0, 0.0, 0.0] }\n";
+    let mut rig = Rig::parse(text, "lab.toml").unwrap();
+    rig.set_port("wand", Path::new("Wand0@[::1]:4000")).unwrap();
+    let Device::Vrpn(wand) = &rig.devices["wand"] else {
+        panic!("it is of a VRPN server");
+    };
+    assert_eq!(wand.address.to_string(), "Wand0@[::1]:4000");
+    // What has its own sender keeps it; what came from the tracker's comes from the new one.
+    assert_eq!(
+        [&wand.buttons.sender, &wand.analogs.sender],
+        ["Button0", "Wand0"]
+    );
+    let before = rig.clone();
+    let error = rig.set_port("wand", Path::new("/dev/ttyS0")).unwrap_err();
+    assert!(error.to_string().contains("Tracker0@lab-pc"), "{error}");
+    assert_eq!(rig, before);
+}
+
+#[test]
 fn a_vrpn_device_needs_little_and_takes_defaults() {
     let vrpn = vrpn(&format!(
         "kind = 'vrpn'\naddress = 'Tracker0@lab-pc'\n{TABLE}"

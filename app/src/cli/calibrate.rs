@@ -107,7 +107,8 @@ pub(crate) struct MeasuringArgs {
     #[arg(long, value_name = "RIG")]
     pub(crate) rig: String,
 
-    /// Use this port for a device of the rig (may be given once for each device).
+    /// Use this port for a device of the rig, or this address of a VRPN server (may be given once for
+    /// each device).
     #[arg(long, value_name = "NAME=PORT")]
     pub(crate) device: Vec<String>,
 

@@ -34,12 +34,14 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     }
     let caster = scene::caster(&args.caster)?;
     let replay = args.replay.as_deref().map(open_replay).transpose()?;
+    let mut age = None;
     let rig = match &replay {
         Some(replay) => replay.rig().clone(),
         None => {
             let rig = rig::open(args.rig.as_deref().unwrap_or("desktop"), &args.device)?;
             let today = time::OffsetDateTime::now_utc().date();
-            if let Some(age) = rig::calibration_age(&rig, today) {
+            age = rig::calibration_age(&rig, today);
+            if let Some(age) = &age {
                 tracing::info!("{age}");
             }
             rig
@@ -58,6 +60,9 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
     let hub = Arc::new(Hub::for_rig(&rig));
     let mut session = Session::new(rig, &open, &caster, Arc::clone(&pool), hub)?;
+    if let Some(age) = age {
+        session.say(format!("{age}; Calibrate, check takes ten seconds"));
+    }
     match display {
         Ok(display) => {
             let clock = Clock::start();

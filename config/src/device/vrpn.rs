@@ -53,6 +53,19 @@ pub struct VrpnPart {
     pub sensor: u32,
 }
 
+impl Vrpn {
+    /// Takes the device at another address in place of its own; buttons and analogs that came from
+    /// the same sender come from the new one.
+    pub(crate) fn move_to(&mut self, address: VrpnAddress) {
+        for part in [&mut self.buttons, &mut self.analogs] {
+            if part.sender == self.address.sender {
+                part.sender.clone_from(&address.sender);
+            }
+        }
+        self.address = address;
+    }
+}
+
 impl fmt::Display for VrpnAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { sender, host, port } = self;
@@ -114,55 +127,59 @@ fn read_part(value: &Value<'_>, tracker: &str, sensors: u32) -> Result<VrpnPart,
 
 fn read_address(value: &Value<'_>) -> Result<VrpnAddress, RigError> {
     let text = value.text("the device and its server, as \"Tracker0@lab-pc\"")?;
-    let wrong = |remedy: &str| value.error(&format!("is {text:?}"), remedy);
-    let Some((sender, place)) = text.split_once('@') else {
-        return Err(wrong(
-            "write the device's name, @ and its server, as \"Tracker0@lab-pc\"",
-        ));
-    };
-    if let Some(remedy) = name_remedy(sender) {
-        return Err(wrong(remedy));
+    VrpnAddress::parse(text).map_err(|remedy| value.error(&format!("is {text:?}"), remedy))
+}
+
+impl VrpnAddress {
+    /// The address that `text` is, or what would be right.
+    pub(crate) fn parse(text: &str) -> Result<Self, &'static str> {
+        let Some((sender, place)) = text.split_once('@') else {
+            return Err("write the device's name, @ and its server, as \"Tracker0@lab-pc\"");
+        };
+        if let Some(remedy) = name_remedy(sender) {
+            return Err(remedy);
+        }
+        // VRPN's own way to say that no UDP is wanted.
+        let place = place.strip_prefix("tcp://").unwrap_or(place);
+        let (host, port) = match place.strip_prefix('[').and_then(|v6| v6.split_once(']')) {
+            Some((host, rest)) => (
+                host,
+                rest.strip_prefix(':').or(rest.is_empty().then_some("")),
+            ),
+            None => match place.split_once(':') {
+                Some((host, port)) => (host, Some(port)),
+                None => (place, Some("")),
+            },
+        };
+        let v6 = place.starts_with('[');
+        let plain = !host.is_empty()
+            && host.len() <= 253
+            && !host.starts_with('-')
+            && host.bytes().all(|b| {
+                b.is_ascii_alphanumeric() || b"-._".contains(&b) || (v6 && b"%:".contains(&b))
+            });
+        if !plain {
+            return Err(
+                "write the server's name or IP address behind the @, as \"Tracker0@lab-pc\" or \
+                 \"Tracker0@[::1]\"",
+            );
+        }
+        let port = match port {
+            Some("") if !place.ends_with(':') => Some(VRPN_PORT),
+            Some(port) => port.parse().ok().filter(|&port| port != 0),
+            None => None,
+        };
+        let Some(port) = port else {
+            return Err(
+                "write a port from 1 to 65535 behind the colon, as \"Tracker0@lab-pc:3883\"",
+            );
+        };
+        Ok(VrpnAddress {
+            sender: sender.to_owned(),
+            host: host.to_owned(),
+            port,
+        })
     }
-    // VRPN's own way to say that no UDP is wanted.
-    let place = place.strip_prefix("tcp://").unwrap_or(place);
-    let (host, port) = match place.strip_prefix('[').and_then(|v6| v6.split_once(']')) {
-        Some((host, rest)) => (
-            host,
-            rest.strip_prefix(':').or(rest.is_empty().then_some("")),
-        ),
-        None => match place.split_once(':') {
-            Some((host, port)) => (host, Some(port)),
-            None => (place, Some("")),
-        },
-    };
-    let v6 = place.starts_with('[');
-    let plain = !host.is_empty()
-        && host.len() <= 253
-        && !host.starts_with('-')
-        && host.bytes().all(|b| {
-            b.is_ascii_alphanumeric() || b"-._".contains(&b) || (v6 && b"%:".contains(&b))
-        });
-    if !plain {
-        return Err(wrong(
-            "write the server's name or IP address behind the @, as \"Tracker0@lab-pc\" or \
-             \"Tracker0@[::1]\"",
-        ));
-    }
-    let port = match port {
-        Some("") if !place.ends_with(':') => Some(VRPN_PORT),
-        Some(port) => port.parse().ok().filter(|&port| port != 0),
-        None => None,
-    };
-    let Some(port) = port else {
-        return Err(wrong(
-            "write a port from 1 to 65535 behind the colon, as \"Tracker0@lab-pc:3883\"",
-        ));
-    };
-    Ok(VrpnAddress {
-        sender: sender.to_owned(),
-        host: host.to_owned(),
-        port,
-    })
 }
 
 /// What is wrong with a device's name on a server.
