@@ -261,7 +261,7 @@ impl Rig {
             Some(port) => *port = text,
             None => {
                 return Err(bad(&format!(
-                    "the device `{device}` is neither on one nor of a VRPN server"
+                    "the device `{device}` is on no serial port and of no VRPN server"
                 )));
             }
         }
