@@ -96,17 +96,24 @@ fn requests_never_wait_and_only_the_newest_is_cast() {
             scene: scene.clone(),
             views: vec![view(frame as f64 * 0.1)],
             frame,
-        });
+        })
     };
-    request(1);
+    let asked = Instant::now();
+    assert!(request(1).is_none());
     begins.recv().expect("a cast begins");
+    let waiting = Instant::now();
     // While the first is being cast, these come and go.
     for frame in 2..=50 {
-        request(frame);
+        let replaced = request(frame).map(|replaced| replaced.frame);
+        assert_eq!(replaced, (frame > 2).then_some(frame - 1));
         assert!(caster.newest().is_none());
     }
+    let waited = waiting.elapsed();
     go.send(()).expect("it waits");
-    assert_eq!(wait_for(&caster, 1).images[0].view, view(0.1));
+    let first = wait_for(&caster, 1);
+    assert_eq!(first.images[0].view, view(0.1));
+    assert!(asked <= first.begun && first.begun <= waiting);
+    assert!(first.cast_time >= waited);
     begins.recv().expect("the next cast begins");
     go.send(()).expect("it waits");
     let last = wait_for(&caster, 50);
