@@ -12,6 +12,8 @@
 mod events;
 mod frame;
 mod keys;
+mod latency;
+mod latency_report;
 mod mouse;
 mod open;
 mod pacing;
@@ -20,6 +22,7 @@ mod shell;
 mod show;
 mod times;
 
+pub(crate) use latency::HeadTimes;
 pub(crate) use mouse::MouseDrive;
 pub(crate) use show::{
     Activity, Advanced, Device, Drive, HandReadings, Readings, Show, TableReadings, Wish,
@@ -44,6 +47,8 @@ pub(crate) struct WindowOptions {
     pub(crate) composing: Composing,
     /// Whether the panel shows at first.
     pub(crate) panel: bool,
+    /// Whether the latency is told on standard error at intervals and at the end.
+    pub(crate) latency: bool,
     /// Where screenshots go.
     pub(crate) screenshots: PathBuf,
 }
