@@ -200,6 +200,10 @@ pub(crate) struct FlyArgs {
     /// Make no sound.
     #[arg(long)]
     pub(crate) mute: bool,
+
+    /// Print every 5 s how old the tracked head's pose is on the glass, and by which stages.
+    #[arg(long, conflicts_with = "replay")]
+    pub(crate) latency: bool,
 }
 
 /// Arguments of `info`.

@@ -5,15 +5,16 @@ use crate::rig;
 use crate::session::{Session, summit};
 use crate::tape::{self, Tape};
 use crate::window::{
-    Activity, Advanced, Device, Drive, GuideReadings, GuideStep, GuideWish, Readings, Show, Wish,
+    Activity, Advanced, Device, Drive, GuideReadings, GuideStep, GuideWish, HeadTimes, Readings,
+    Show, Wish,
 };
 use glam::DVec3;
 use sandtable_audio::{Control, Output, Playback};
 use sandtable_cast::PreparedScene;
 use sandtable_config::Intent;
 use sandtable_input::intent::{DeskState, IntentState};
-use sandtable_input::{Clock, Condition, Devices, Gamepads, Replay};
-use sandtable_pose::Nanos;
+use sandtable_input::{Clock, Condition, Devices, Estimate, Gamepads, Replay};
+use sandtable_pose::{Nanos, Validity};
 use sandtable_view::View;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -173,10 +174,12 @@ impl Show for Live {
         desk.gamepad = self.gamepads.as_mut().and_then(Gamepads::poll);
         // A gamepad has no event that would wake the window: while one is there, it is asked.
         let mut moving = desk.gamepad.is_some() || self.session.settle_caster();
+        let mut head = None;
         match &mut self.timeline {
             Timeline::Live { clock, tape, .. } => {
                 let time = clock.now();
                 self.intents = self.session.take_in(time, &desk);
+                head = head_times(&self.session, *clock, time, self.intents.look);
                 match &mut self.guide {
                     None => moving |= self.session.drive(&self.intents, &drive.mouse, step),
                     // Whoever acts says "now", and moves nothing.
@@ -212,6 +215,7 @@ impl Show for Live {
                 false => Activity::Still,
             },
             intents: self.intents,
+            head,
         }
     }
 
@@ -285,6 +289,28 @@ impl Show for Live {
             (wish, _) => self.session.apply(wish),
         }
     }
+}
+
+/// When the head that a table's views follow at `time` was measured, read and taken in; `None`
+/// where no tracker tells it, or it is lost.
+fn head_times(
+    session: &Session,
+    clock: Clock,
+    time: Nanos,
+    look: Option<Estimate>,
+) -> Option<HeadTimes> {
+    // A camera's views follow no head.
+    session.placement()?;
+    let sensor = session.rig().head.as_ref()?.sensor.as_ref()?;
+    let look = look.filter(|look| look.pose.validity != Validity::Lost)?;
+    let measured = look.pose.time;
+    let read = session.hub().arrival_of(sensor, measured)?;
+    Some(HeadTimes {
+        measured: clock.instant(measured),
+        read: clock.instant(read),
+        taken_in: clock.instant(time),
+        predicted: look.predicted,
+    })
 }
 
 /// The time of frame `frame` of a replay on the virtual clock, at `rate` frames a second and

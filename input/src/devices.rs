@@ -183,7 +183,7 @@ impl Outlet {
             recorder.bytes(&self.device, arrival, bytes);
         }
         stream.push(bytes, arrival, &mut |sample| {
-            self.hub.push(&self.device, sample);
+            self.hub.push_read(&self.device, sample, arrival);
             if let (Some(recorder), Sample::Pose(pose)) = (&self.recorder, sample) {
                 recorder.pose(&self.device, pose);
             }

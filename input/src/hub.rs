@@ -32,10 +32,17 @@ struct Sensor {
     /// From when a pose is asked for to the middle of its picture's time on the glass.
     ahead: Duration,
     filter: Mutex<TrackerFilter>,
-    poses: History<PoseSample, 512>,
+    poses: History<ReadPose, 512>,
     buttons: History<ButtonsSample, 512>,
     axes: History<AxesSample, 128>,
     hands: History<(Nanos, HandState), 512>,
+}
+
+/// A pose, and when the read arrived that it came with.
+#[derive(Clone, Copy, Debug)]
+struct ReadPose {
+    sample: PoseSample,
+    arrival: Nanos,
 }
 
 /// The newest samples of one kind, at most `N`: of poses, five seconds of a Flock's usual cycle, of
@@ -76,8 +83,14 @@ impl Hub {
         }
     }
 
-    /// Adds a sample of a device's sensor; one of an unknown sensor is ignored.
+    /// Adds a sample of a device's sensor; one of an unknown sensor is ignored. It counts as
+    /// arrived when it was measured.
     pub fn push(&self, device: &str, sample: Sample) {
+        self.push_read(device, sample, sample.time());
+    }
+
+    /// Adds a sample as [`Hub::push`] does, of a read that ended at `arrival`.
+    pub fn push_read(&self, device: &str, sample: Sample, arrival: Nanos) {
         let Some((name, sensor)) = self.sensor(device, sample.sensor()) else {
             return;
         };
@@ -92,7 +105,7 @@ impl Hub {
         drop(listeners);
         match sample {
             Sample::Pose(sample) => {
-                sensor.poses.push(sample);
+                sensor.poses.push(ReadPose { sample, arrival });
                 sensor
                     .lock_filter()
                     .push(&sensor.pose(&sample, sample.time));
@@ -161,8 +174,17 @@ impl Hub {
     #[must_use]
     pub fn pose_at(&self, sensor: &SensorName, time: Nanos) -> Option<Pose> {
         let sensor = self.named(sensor)?;
-        let sample = sensor.poses.at(time, |sample| sample.time)?;
-        Some(sensor.pose(&sample, time))
+        let read = sensor.poses.at(time, |read| read.sample.time)?;
+        Some(sensor.pose(&read.sample, time))
+    }
+
+    /// When the read ended that brought the sensor's pose of exactly this `time`; `None` where no
+    /// such pose is known, or no more.
+    #[must_use]
+    pub fn arrival_of(&self, sensor: &SensorName, time: Nanos) -> Option<Nanos> {
+        let sensor = self.named(sensor)?;
+        let read = sensor.poses.at(time, |read| read.sample.time)?;
+        (read.sample.time == time).then_some(read.arrival)
     }
 
     /// All poses measured after `from` that are still known, the oldest first.
@@ -171,7 +193,8 @@ impl Hub {
         let Some(sensor) = self.named(sensor) else {
             return Vec::new();
         };
-        sensor.poses.since(from, |sample| sample.time)
+        let reads = sensor.poses.since(from, |read| read.sample.time);
+        reads.into_iter().map(|read| read.sample).collect()
     }
 
     /// When each sample of a hand came after `from`, of those that are still known, the oldest

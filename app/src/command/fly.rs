@@ -13,7 +13,7 @@ use crate::window::{Display, WindowError, WindowOptions};
 use crate::{rig, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::CastPool;
-use sandtable_config::{StereoMode as RigStereo, Viewing};
+use sandtable_config::{Rig, StereoMode as RigStereo, Viewing};
 use sandtable_input::intent::DeskState;
 use sandtable_input::{Clock, Devices, Gamepads, Hub, Replay};
 use sandtable_stage::{Composing, StereoMode};
@@ -47,6 +47,12 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
             rig
         }
     };
+    if args.latency && !has_tracked_head(&rig) {
+        return Err(usage(
+            "--latency needs a table with a tracked head: a rig with [table], and `sensor` under \
+             [head], such as --rig workbench",
+        ));
+    }
     let display = if args.headless {
         Err("asked for with --headless".to_owned())
     } else {
@@ -98,6 +104,9 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
                     "--calibrate needs a display ({why}); without one, use: sandtable calibrate"
                 )));
             }
+            if args.latency {
+                return Err(usage(format!("--latency needs a display ({why})")));
+            }
             if args.record.is_some() {
                 return Err(usage(format!(
                     "--record needs a display ({why}); without one, use: sandtable record"
@@ -141,6 +150,7 @@ fn in_window(
             swap_eyes: rig.stereo.swap_eyes ^ args.swap_eyes,
         },
         panel: true,
+        latency: args.latency,
         screenshots: std::env::current_dir().unwrap_or_default(),
     };
     let gamepads = match Gamepads::open() {
@@ -259,6 +269,12 @@ fn without_display(
     Ok(())
 }
 
+/// Whether what a rig shows follows a head that a sensor tells.
+fn has_tracked_head(rig: &Rig) -> bool {
+    let sensor = rig.head.as_ref().and_then(|head| head.sensor.as_ref());
+    matches!(rig.viewing, Viewing::Table(_)) && sensor.is_some()
+}
+
 /// The stage's word for a rig's stereo mode.
 fn stage_mode(mode: RigStereo) -> StereoMode {
     match mode {
@@ -272,7 +288,6 @@ fn stage_mode(mode: RigStereo) -> StereoMode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sandtable_config::Rig;
 
     #[test]
     fn every_stereo_mode_of_a_rig_has_the_stages_name() {

@@ -31,6 +31,7 @@ impl Shell<'_> {
             self.take_finished(&mut open, begin);
             self.draw_panel(&mut open, begin, &mut wishes);
             self.present(&mut open, begin, events);
+            self.report_latency(begin);
         }
         if !wishes.is_empty() {
             self.changed = true;
@@ -65,11 +66,14 @@ impl Shell<'_> {
         if !same {
             open.newest_request += 1;
             open.requested = Some((views.clone(), Arc::clone(&scene)));
-            open.caster.request(Request {
+            let frame = open.newest_request;
+            let replaced = open.caster.request(Request {
                 scene,
                 views,
-                frame: open.newest_request,
+                frame,
             });
+            let replaced = replaced.map(|request| request.frame);
+            self.latency.requested(frame, self.head, replaced);
         }
     }
 
@@ -83,8 +87,11 @@ impl Shell<'_> {
         }
         open.uploaded = Some(finished.frame);
         self.cast.add(now, finished.cast_time);
-        if let Err(error) = open.presenter.set_images(&finished.images) {
-            self.message(error.to_string());
+        match open.presenter.set_images(&finished.images) {
+            Ok(()) => self
+                .latency
+                .cast(finished.frame, finished.begun, finished.cast_time),
+            Err(error) => self.message(error.to_string()),
         }
     }
 
@@ -105,6 +112,7 @@ impl Shell<'_> {
             casts_per_second: self.cast.rate(now),
             display_ms: self.shown.last_ms(),
             frames_per_second: self.shown.rate(now),
+            latency: self.latency.lately(panel::LATELY),
             threads: self.pool.threads(),
             eye_size: self.eye_size(open.presenter.size()),
             gpu: open
@@ -153,6 +161,9 @@ impl Shell<'_> {
                 let now = Instant::now();
                 self.shown
                     .add(now, now.duration_since(begin).saturating_sub(waited));
+                if let Some(frame) = open.uploaded {
+                    self.latency.presented(frame, now);
+                }
                 if std::mem::take(&mut self.screenshot_due) {
                     self.take_screenshot(open, composing);
                 }

@@ -13,6 +13,8 @@ mod events;
 mod frame;
 mod guide;
 mod keys;
+mod latency;
+mod latency_report;
 mod mouse;
 mod open;
 mod pacing;
@@ -21,6 +23,7 @@ mod shell;
 mod show;
 mod times;
 
+pub(crate) use latency::HeadTimes;
 pub(crate) use mouse::MouseDrive;
 pub(crate) use show::{
     Activity, Advanced, Device, Drive, GuideReadings, GuideStep, GuideWish, HandReadings, Readings,
@@ -46,6 +49,8 @@ pub(crate) struct WindowOptions {
     pub(crate) composing: Composing,
     /// Whether the panel shows at first.
     pub(crate) panel: bool,
+    /// Whether the latency is told on standard error at intervals and at the end.
+    pub(crate) latency: bool,
     /// Where screenshots go.
     pub(crate) screenshots: PathBuf,
 }

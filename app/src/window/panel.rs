@@ -1,10 +1,12 @@
 //! The panel below the picture: where one is, how fast, by which caster and in which stereo mode.
 
+use super::latency::{LatencyTable, milliseconds};
 use super::show::{Device, GuideStep, GuideWish, Readings, TableReadings, Wish};
 use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
 use sandtable_cast::CASTERS;
 use sandtable_stage::StereoMode;
 use sandtable_view::Attitude;
+use std::time::Duration;
 
 /// The panel's own settings: those of the window, not of what it shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,11 +28,16 @@ pub(super) struct Vitals {
     pub(super) casts_per_second: usize,
     pub(super) display_ms: Option<f64>,
     pub(super) frames_per_second: usize,
+    /// Once a frame has been shown that follows a tracked head.
+    pub(super) latency: Option<LatencyTable>,
     pub(super) threads: usize,
     pub(super) eye_size: [u32; 2],
     pub(super) gpu: String,
     pub(super) messages: Vec<String>,
 }
+
+/// The latency shown is of the frames of this last while.
+pub(super) const LATELY: Duration = Duration::from_secs(2);
 
 /// How many messages show at once, the newest last.
 const MESSAGES: usize = 3;
@@ -251,12 +258,27 @@ fn times(ui: &mut Ui, vitals: &Vitals) {
         vitals.frames_per_second,
         &display_hint,
     );
+    if let Some(table) = &vitals.latency {
+        to_the_glass(ui, table);
+    }
     ui.label("threads");
     ui.label(vitals.threads.to_string());
     ui.end_row();
     ui.label("an eye");
     let [width, height] = vitals.eye_size;
     ui.label(format!("{width} \u{d7} {height}"));
+    ui.end_row();
+}
+
+/// From the head's measurement to the frame that follows it; all stages where it is pointed at.
+fn to_the_glass(ui: &mut Ui, table: &LatencyTable) {
+    let [median, p95] = [table.total.median, table.total.p95].map(milliseconds);
+    let label = ui.label("to the glass");
+    let value = ui.label(format!("{median:.1} ms, 95 % {p95:.1}"));
+    label.union(value).on_hover_ui(|ui| {
+        ui.label("from a measurement of the head to the frame presented, in the last 2 s");
+        ui.monospace(table.to_string());
+    });
     ui.end_row();
 }
 
@@ -324,6 +346,7 @@ fn controls(ui: &mut Ui, bindings: &[(String, String)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::latency::Spread;
     use glam::DVec3;
 
     /// Lays the panel out a few times without anybody touching it.
@@ -386,5 +409,56 @@ mod tests {
             ..camera
         };
         assert_eq!(untouched(&table), []);
+    }
+
+    /// All words on the panel.
+    fn words(vitals: &Vitals) -> Vec<String> {
+        let mut settings = Settings {
+            mode: StereoMode::Mono,
+            swap_eyes: false,
+            reduction: 1,
+            keys: false,
+            entry: String::new(),
+        };
+        let context = egui::Context::default();
+        let mut words = Vec::new();
+        for _ in 0..2 {
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+                lay_out(ui, &mut settings, &Readings::default(), vitals, &[]);
+            });
+            output.textures_delta.clear();
+            let shapes = output.shapes.into_iter();
+            words = shapes
+                .filter_map(|clipped| match clipped.shape {
+                    egui::Shape::Text(text) => Some(text.galley.text().to_owned()),
+                    _ => None,
+                })
+                .collect();
+        }
+        words
+    }
+
+    #[test]
+    fn the_way_to_the_glass_shows_once_it_is_known() {
+        let untracked = words(&Vitals::default());
+        assert!(untracked.contains(&"display".to_owned()));
+        assert!(!untracked.contains(&"to the glass".to_owned()));
+        let ms = Duration::from_millis;
+        let spread = |median, p95| Spread {
+            median: ms(median),
+            p95: ms(p95),
+        };
+        let table = LatencyTable {
+            frames: 9,
+            stages: [spread(3, 4); 5],
+            total: spread(15, 19),
+            predicted: spread(0, 0),
+        };
+        let tracked = words(&Vitals {
+            latency: Some(table),
+            ..Vitals::default()
+        });
+        assert!(tracked.contains(&"to the glass".to_owned()));
+        assert!(tracked.contains(&"15.0 ms, 95 % 19.0".to_owned()));
     }
 }

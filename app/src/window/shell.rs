@@ -1,6 +1,7 @@
 //! The shell: the state of the window, and what people do to it.
 
 use super::keys::{self, HeldKeys};
+use super::latency::{HeadTimes, Latency};
 use super::mouse::Mouse;
 use super::open::Open;
 use super::pacing::LONGEST_STEP;
@@ -44,6 +45,11 @@ pub(super) struct Shell<'a> {
     pub(super) panel_due: Option<Instant>,
     pub(super) shown: Times,
     pub(super) cast: Times,
+    /// The head that the show's views follow.
+    pub(super) head: Option<HeadTimes>,
+    pub(super) latency: Latency,
+    /// When the latency was last told.
+    pub(super) latency_reported: Instant,
     pub(super) open: Option<Open>,
     /// Failures to renew a lost GPU, one after another.
     pub(super) failures: u32,
@@ -83,6 +89,9 @@ impl<'a> Shell<'a> {
             panel_due: None,
             shown: Times::default(),
             cast: Times::default(),
+            head: None,
+            latency: Latency::default(),
+            latency_reported: Instant::now(),
             open: None,
             failures: 0,
             failure: None,
@@ -90,7 +99,8 @@ impl<'a> Shell<'a> {
     }
 
     /// What the window ended with.
-    pub(super) fn end(self) -> Result<(), WindowError> {
+    pub(super) fn end(mut self) -> Result<(), WindowError> {
+        self.report_last_latency();
         self.failure.map_or(Ok(()), Err)
     }
 
@@ -189,7 +199,12 @@ impl<'a> Shell<'a> {
             gamepad: None,
         };
         let mouse = self.mouse.take(frame, self.settings.mode);
-        let Advanced { activity, intents } = self.show.advance(&Drive { desk, mouse }, step, now);
+        let Advanced {
+            activity,
+            intents,
+            head,
+        } = self.show.advance(&Drive { desk, mouse }, step, now);
+        self.head = head;
         self.activity = activity;
         self.was_moving = self.moving();
         self.obey(&intents);

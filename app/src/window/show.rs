@@ -1,6 +1,6 @@
 //! What a window shows: the session's side of it, camera or table, live or replayed.
 
-use super::MouseDrive;
+use super::{HeadTimes, MouseDrive};
 use glam::{DVec2, DVec3};
 use sandtable_cast::PreparedScene;
 use sandtable_input::intent::{DeskState, IntentState};
@@ -44,6 +44,9 @@ pub(crate) struct Advanced {
     pub(crate) activity: Activity,
     /// What people meant.
     pub(crate) intents: IntentState,
+    /// When the head that the views follow was measured and taken in; `None` where no tracker tells
+    /// it now.
+    pub(crate) head: Option<HeadTimes>,
 }
 
 /// Whether a show moves by itself.

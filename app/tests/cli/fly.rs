@@ -95,6 +95,9 @@ fn a_flight_that_fails_leaves_what_was_there() {
         ("--size 5x5 -o flight.avi", 2, "16"),
         ("-o frames.txt", 2, ".mp4"),
         ("--record r.mcap -o flight.avi", 2, "sandtable record"),
+        ("--latency -o flight.avi", 2, "tracked head"),
+        ("--latency --rig workbench -o flight.avi", 2, "a display"),
+        ("--latency --replay r.mcap -o flight.avi", 2, "--replay"),
     ] {
         let failed = folder.run(&format!("fly --headless {arguments}"));
         failed.failed(code, &[says]);

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod hands;
+mod latency;
 mod session;
 
 use image::RgbaImage;

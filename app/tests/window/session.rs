@@ -83,6 +83,11 @@ pub(crate) struct Session {
 impl Session {
     /// Opens the window by `fly` and these arguments, or says why it cannot be tried here.
     pub(crate) fn open(arguments: &[&str]) -> Option<Self> {
+        Self::open_noting(arguments, Stdio::inherit())
+    }
+
+    /// The same, its notes going to `notes`.
+    pub(crate) fn open_noting(arguments: &[&str], notes: Stdio) -> Option<Self> {
         let Some((server, display)) = x_server() else {
             eprintln!("skipped: Xvfb is not installed (Debian: xvfb)");
             return None;
@@ -101,6 +106,7 @@ impl Session {
             .env("HOME", folder.path())
             .env("XDG_RUNTIME_DIR", folder.path())
             .stdout(Stdio::null())
+            .stderr(notes)
             .spawn()
             .expect("the program is built");
         let mut program = Running(program);

@@ -17,13 +17,15 @@ pub struct Request {
 }
 
 /// What was cast.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Finished {
     /// An image a view, in the request's order.
     pub images: Vec<Image>,
     /// The request's number.
     pub frame: u64,
-    /// How long the cast took.
+    /// When the cast began.
+    pub begun: Instant,
+    /// How long it took, of all views together.
     pub cast_time: Duration,
 }
 
@@ -69,7 +71,7 @@ impl BackgroundCaster {
                         .and_then(|index| Arc::into_inner(retired.swap_remove(index)))
                         .map_or_else(Vec::new, |old| old.images);
                     images.resize_with(request.views.len(), Image::default);
-                    let begin = Instant::now();
+                    let begun = Instant::now();
                     if let Err(error) = pool.cast(&*request.scene, &request.views, &mut images) {
                         lock(&theirs.0).refusal = Some(error);
                         on_finished();
@@ -78,7 +80,8 @@ impl BackgroundCaster {
                     let finished = Arc::new(Finished {
                         images,
                         frame: request.frame,
-                        cast_time: begin.elapsed(),
+                        begun,
+                        cast_time: begun.elapsed(),
                     });
                     let old = {
                         let mut mailbox = lock(&theirs.0);
@@ -96,10 +99,12 @@ impl BackgroundCaster {
         })
     }
 
-    /// Asks for `request` to be cast as soon as the present cast is finished.
-    pub fn request(&self, request: Request) {
-        lock(&self.shared.0).request = Some(request);
+    /// Asks for `request` to be cast as soon as the present cast is finished; returns the one not
+    /// yet begun that it replaces, which will never be cast.
+    pub fn request(&self, request: Request) -> Option<Request> {
+        let replaced = lock(&self.shared.0).request.replace(request);
         self.shared.1.notify_one();
+        replaced
     }
 
     /// The newest finished images, if any yet.

@@ -96,17 +96,22 @@ fn requests_never_wait_and_only_the_newest_is_cast() {
             scene: scene.clone(),
             views: vec![view(frame as f64 * 0.1)],
             frame,
-        });
+        })
     };
-    request(1);
+    let mut replaced = Vec::new();
+    let asked = Instant::now();
+    replaced.extend(request(1).map(|replaced| replaced.frame));
     begins.recv().expect("a cast begins");
+    let waiting = Instant::now();
     // While the first is being cast, these come and go.
     for frame in 2..=50 {
-        request(frame);
+        replaced.extend(request(frame).map(|replaced| replaced.frame));
         assert!(caster.newest().is_none());
     }
+    let waited = waiting.elapsed();
     go.send(()).expect("it waits");
-    assert_eq!(wait_for(&caster, 1).images[0].view, view(0.1));
+    let first = wait_for(&caster, 1);
+    assert_eq!(first.images[0].view, view(0.1));
     begins.recv().expect("the next cast begins");
     go.send(()).expect("it waits");
     let last = wait_for(&caster, 50);
@@ -114,6 +119,9 @@ fn requests_never_wait_and_only_the_newest_is_cast() {
     pool.cast(&*scene.inner, &[view(5.0)], &mut direct)
         .expect("any view will do");
     assert!(last.images == direct);
+    assert!(asked <= first.begun && first.begun <= waiting);
+    assert!(first.cast_time >= waited);
+    assert!(replaced.into_iter().eq(2..50));
     // Nothing in between was cast.
     assert!(begins.try_recv().is_err());
     assert!(!caster.has_ended());
