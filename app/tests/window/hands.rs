@@ -3,9 +3,10 @@
 use crate::session::{Session, wait_for};
 use glam::{DVec2, DVec3};
 use sandtable_config::Rig;
-use sandtable_input::Replay;
 use sandtable_input::flock::{Motion, Simulator, SimulatorSettings};
+use sandtable_input::pinch;
 use sandtable_input::recording::PLACEMENT_TOPIC;
+use sandtable_input::{Fingers, Replay, Sample};
 use sandtable_pose::Rigid;
 use sandtable_view::Placement;
 use serde::de::DeserializeOwned;
@@ -34,7 +35,7 @@ pub(crate) fn held_at(at: DVec3, degrees_clockwise: f64) -> Motion {
 }
 
 #[test]
-fn a_tracked_hand_takes_the_world_along_while_it_acts() {
+fn a_gloved_hand_takes_the_world_along_while_it_pinches() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("s.mcap");
     let began = DVec3::new(0.10, -0.20, 0.15);
@@ -43,12 +44,21 @@ fn a_tracked_hand_takes_the_world_along_while_it_acts() {
         ..SimulatorSettings::default()
     };
     let flock = Simulator::start(settings, None).expect("a pseudo-terminal");
+    let gloves = pinch::SimulatorSettings {
+        motion: pinch::Motion::Open,
+        ..pinch::SimulatorSettings::default()
+    };
+    let gloves = pinch::Simulator::start(gloves, None).expect("a pseudo-terminal");
     let device = format!("flock={}", flock.path().display());
+    let glove_device = format!("pinch={}", gloves.path().display());
     // On a loaded machine a hand is not seen for a while; one that is lost lets go.
     let patient = "lost_after_ms = 10000.0";
     let rig = Rig::builtin_text("workbench").expect("built in");
     let rig = rig.replace("lost_after_ms = 250.0", patient);
     assert!(rig.contains(patient));
+    let gloved = "[devices.pinch]\nkind = \"pinch\"\nport = \"/dev/ttyS9\"\n\
+                  [intents]\nact = [\"default\", \"pinch/2 pinch\"]\n";
+    let rig = format!("{rig}\n{gloved}");
     let rig_file = folder.path().join("patient.toml");
     std::fs::write(&rig_file, rig).expect("it can be written");
     let Some(session) = Session::open(&[
@@ -57,6 +67,8 @@ fn a_tracked_hand_takes_the_world_along_while_it_acts() {
         rig_file.to_str().expect("a plain path"),
         "--device",
         &device,
+        "--device",
+        &glove_device,
         "--stereo",
         "mono",
         "--mute",
@@ -77,8 +89,25 @@ fn a_tracked_hand_takes_the_world_along_while_it_acts() {
     // A hand that does not act moves nothing.
     flock.set_motion(2, held_at(began + DVec3::new(0.0, 0.05, 0.0), 0.0));
     flock.set_motion(2, held_at(began, 0.0));
-    session.xdotool(&["windowfocus", &session.window]);
-    session.xdotool(&["keydown", "space"]);
+    // The right thumb and index finger: joined, then apart.
+    let joins = |groups: &[[Fingers; 2]]| {
+        let groups = pinch::ContactGroups::new(groups).expect("they are groups");
+        gloves.change(move |gloves| gloves.join(groups));
+    };
+    let touching = || {
+        let replay = Replay::open(&file).ok()?;
+        let hands = replay.samples("pinch").into_iter().rev();
+        let mut right = hands.filter_map(|sample| match sample {
+            Sample::Hand(hand) if hand.sensor == 2 => hand.hand.contacts,
+            _ => None,
+        });
+        right.next().map(|contacts| contacts.fingers())
+    };
+    let fingers = Fingers::THUMB.with(Fingers::INDEX);
+    wait_for("the gloves", || {
+        joins(&[[Fingers::default(), fingers]]);
+        (touching()? == fingers).then_some(())
+    });
     session.shoot_until("a frame in which the hand acts", |_| true);
     // By steps as a hand goes: a leap would not be believed.
     let (way, turn) = (DVec3::new(0.12, 0.08, 0.03), 30.0);
@@ -103,7 +132,10 @@ fn a_tracked_hand_takes_the_world_along_while_it_acts() {
     assert_eq!(carried.scale, before.scale);
 
     // Let go, it stays.
-    session.xdotool(&["keyup", "space"]);
+    joins(&[]);
+    wait_for("fingers that are apart", || {
+        touching()?.is_empty().then_some(())
+    });
     session.shoot_until("a frame in which it does not", |_| true);
     for step in 1..=20 {
         let share = f64::from(step) / 20.0;
@@ -118,6 +150,7 @@ fn a_tracked_hand_takes_the_world_along_while_it_acts() {
         "it moved by {moved} after it was let go"
     );
     flock.stop();
+    gloves.stop();
 }
 
 /// The window as the workbench's rig opens it.

@@ -198,6 +198,39 @@ fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
 }
 
 #[test]
+fn a_mark_that_was_missed_may_be_touched_again() {
+    let folder = folder();
+    folder.write("rig.toml", with_tip());
+    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
+    let mut bird = Bird::start(&folder, "");
+    let mut talk = Talk::start(&folder, arguments);
+    for (name, place) in &MARKS {
+        talk.hear(&format!("touch \"{name}\""));
+        let slip = if *name == "back right" { 0.04 } else { 0.0 };
+        bird.touch(*place + slip * DVec3::X, TIP, [10.0, 20.0, 0.0]);
+        talk.measure();
+    }
+    talk.hear("has it touched again");
+    talk.say("t9");
+    talk.hear("no point");
+    talk.say("t 3");
+    talk.hear("again: touch \"back right\"");
+    bird.touch(MARKS[2].1, TIP, [0.0, 40.0, 20.0]);
+    talk.measure();
+    talk.hear("\"back right\" is touched again");
+    talk.hear("Enter shows the lines");
+    talk.say("");
+    let ended = talk.end().done();
+    let rms: Vec<f64> = ended
+        .out
+        .lines()
+        .filter(|line| line.trim_start().starts_with("RMS"))
+        .filter_map(|line| line.split_whitespace().nth(1)?.parse().ok())
+        .collect();
+    assert!(rms[0] > 5.0 && rms[1] < 1.0, "{rms:?}");
+}
+
+#[test]
 fn a_stylus_tip_is_found_by_pivoting() {
     let folder = folder();
     let mut bird = Bird::start(&folder, "");
