@@ -31,3 +31,18 @@ impl<T: Copy + PartialEq> Settling<T> {
         self.settled
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_on_the_way_to_something_else_does_not_lend_it_its_time() {
+        let lasting = Duration::from_millis(50);
+        let mut settling = Settling::<char>::default();
+        let mut at = |ms: u64, seen| settling.update(Nanos(ms * 1_000_000), seen, lasting);
+        assert_eq!([at(0, 'a'), at(50, 'a')], ['\0', 'a']);
+        assert_eq!([at(60, 'b'), at(100, 'c')], ['a', 'a']);
+        assert_eq!([at(120, 'c'), at(149, 'c'), at(150, 'c')], ['a', 'a', 'c']);
+    }
+}

@@ -112,10 +112,14 @@ impl Dialogue {
     pub(super) fn ask_at(&self, prompt: &str, mark: Option<DVec3>) -> Result<Answer> {
         match &self.listener {
             Listener::Terminal => eprintln!("{prompt}"),
-            Listener::Window(_) => self.tell(Telling::Question {
-                prompt: prompt.to_owned(),
-                mark,
-            }),
+            Listener::Window(_) => {
+                // A button pressed twice must not answer what was not asked yet.
+                while self.lines.try_recv().is_ok() {}
+                self.tell(Telling::Question {
+                    prompt: prompt.to_owned(),
+                    mark,
+                });
+            }
         }
         let line = select! {
             recv(self.lines) -> line => line,
@@ -158,4 +162,35 @@ const STOPPED: &str = "ended before the calibration did; nothing is written";
 /// The error of whoever ends a calibration with `q`.
 pub(super) fn quit() -> anyhow::Error {
     anyhow::anyhow!("ended with q; nothing is written")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_button_pressed_twice_answers_one_question() {
+        let (telling, told) = crossbeam_channel::unbounded();
+        let (answers, lines) = crossbeam_channel::unbounded();
+        let (stop, stopped) = crossbeam_channel::bounded(1);
+        let dialogue = Dialogue::in_window(telling, lines, stopped);
+        let asking = std::thread::spawn(move || {
+            let first = dialogue.ask("first").is_ok();
+            // The second press falls into what is done for the first answer.
+            std::thread::sleep(Duration::from_millis(100));
+            (first, dialogue.ask("second"))
+        });
+        let question = |prompt: &str| Telling::Question {
+            prompt: prompt.into(),
+            mark: None,
+        };
+        assert_eq!(told.recv().unwrap(), question("first"));
+        answers.send(Ok(String::new())).unwrap();
+        answers.send(Ok(String::new())).unwrap();
+        assert_eq!(told.recv().unwrap(), question("second"));
+        answers.send(Ok("t 3".into())).unwrap();
+        let (first, second) = asking.join().unwrap();
+        assert!(first && matches!(second, Ok(Answer::Words(words)) if words == "t 3"));
+        drop(stop);
+    }
 }
