@@ -93,8 +93,8 @@ impl RecordingFile {
             .open(path)
             .map_err(failed)?;
         let second = file.try_clone().map_err(failed)?;
-        let writer = mcap::WriteOptions::new()
-            .library(concat!("sandtable ", env!("CARGO_PKG_VERSION")))
+        let author = concat!("sandtable ", env!("CARGO_PKG_VERSION"));
+        let writer = mcap::WriteOptions::library(mcap::WriteOptions::new(), author)
             .compression(Some(mcap::Compression::Zstd))
             .compression_threads(0)
             .chunk_size(Some(CHUNK_SIZE))
