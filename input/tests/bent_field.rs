@@ -5,6 +5,7 @@
 )]
 
 mod vrpn_by_hand;
+mod waiting;
 
 use glam::{DQuat, DVec3};
 use sandtable_config::{Device, Rig};

@@ -4,18 +4,19 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
+mod replaying;
+mod waiting;
+
 use glam::{DMat3, DQuat, DVec3};
+use replaying::{all_poses, played};
 use sandtable_config::{Device, Rig, SensorName};
-use sandtable_input::{
-    Clock, Condition, Devices, Hub, Recorder, Replay, Sample, Stream, stream_of,
-};
+use sandtable_input::{Clock, Condition, Devices, Hub, Recorder, Sample, Stream, stream_of};
 use sandtable_pose::{Nanos, Pose, Validity};
 use std::net::UdpSocket;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-const PATIENCE: Duration = Duration::from_secs(20);
+use waiting::wait_for;
 
 const UNIT: &str = "[1 0 0 0 1 0 0 0 1]";
 
@@ -46,17 +47,6 @@ fn sensor(number: u32) -> SensorName {
     SensorName {
         device: "art".into(),
         number,
-    }
-}
-
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        std::thread::sleep(Duration::from_millis(2));
     }
 }
 
@@ -204,17 +194,6 @@ fn a_taken_port_is_named() {
     );
 }
 
-/// Every pose that a sensor has until `time`, the oldest first.
-fn all_poses(hub: &Hub, number: u32, mut time: Nanos) -> Vec<Pose> {
-    let mut poses = Vec::new();
-    while let Some(pose) = hub.pose_at(&sensor(number), time) {
-        time = pose.time - Duration::from_nanos(1);
-        poses.push(pose);
-    }
-    poses.reverse();
-    poses
-}
-
 #[test]
 fn a_recorded_session_replays_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -232,17 +211,11 @@ fn a_recorded_session_replays_to_the_bit() {
     session.wait_until_live();
     let Session { hub, devices, .. } = session;
     devices.stop();
-    let mut replay = Replay::open(&file).unwrap();
-    let replayed = Hub::for_rig(replay.rig());
-    let mut time = replay.start();
-    while !replay.is_over() {
-        replay.advance_to(time, &replayed);
-        time = time + Duration::from_nanos(16_666_667);
-    }
+    let (replayed, time) = played(&file);
     for number in [1, 3] {
-        let live = all_poses(&hub, number, time);
+        let live = all_poses(&hub, &sensor(number), time);
         assert!(live.len() > 30, "{}", live.len());
-        assert_eq!(all_poses(&replayed, number, time), live);
+        assert_eq!(all_poses(&replayed, &sensor(number), time), live);
         assert_eq!(
             replayed.buttons_at(&sensor(number), time),
             hub.buttons_at(&sensor(number), time)

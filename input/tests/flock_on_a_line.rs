@@ -5,16 +5,18 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
+mod replaying;
+mod waiting;
+
+use replaying::{all_poses, played};
 use sandtable_config::{Confirm, Device, Flock, FlockMode, RecordFormat, Rig, SensorName};
 use sandtable_input::flock::{Faults, Motion, Simulator, SimulatorSettings};
-use sandtable_input::{Clock, Condition, Devices, Hub, Recorder, Replay};
+use sandtable_input::{Clock, Condition, Devices, Hub, Recorder};
 use sandtable_pose::{Nanos, Pose, Rigid, Validity};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// A device that is tried again every half second, on a slow machine.
-const PATIENCE: Duration = Duration::from_secs(20);
+use std::time::Duration;
+use waiting::wait_for;
 
 /// The workbench with its Flock at `port`, its silences short so that tests are.
 fn rig(port: &Path) -> Rig {
@@ -104,39 +106,16 @@ impl Session {
 
     /// Every pose that the sensor had since `from`.
     fn poses_since(&self, number: u32, from: Nanos) -> Vec<Pose> {
-        let mut poses = all_poses(&self.hub, number, self.now());
+        let mut poses = all_poses(&self.hub, &sensor(number), self.now());
         poses.retain(|pose| pose.time > from);
         poses
     }
-}
-
-/// Every pose that a sensor has until `time`, the oldest first.
-fn all_poses(hub: &Hub, number: u32, mut time: Nanos) -> Vec<Pose> {
-    let mut poses = Vec::new();
-    while let Some(pose) = hub.pose_at(&sensor(number), time) {
-        time = pose.time - Duration::from_nanos(1);
-        poses.push(pose);
-    }
-    poses.reverse();
-    poses
 }
 
 fn sensor(number: u32) -> SensorName {
     SensorName {
         device: "flock".into(),
         number,
-    }
-}
-
-/// Waits until `found` gives something; fails by name where it never does.
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        std::thread::sleep(Duration::from_millis(2));
     }
 }
 
@@ -552,17 +531,11 @@ fn a_recorded_session_replays_to_the_bit() {
     let Session { hub, devices, .. } = session;
     devices.stop();
     recorder.finish().unwrap();
-    let mut replay = Replay::open(&file).unwrap();
-    let replayed = Hub::for_rig(replay.rig());
-    let mut time = replay.start();
-    while !replay.is_over() {
-        replay.advance_to(time, &replayed);
-        time = time + Duration::from_nanos(16_666_667);
-    }
+    let (replayed, time) = played(&file);
     for number in 1..=2 {
-        let live = all_poses(&hub, number, time);
+        let live = all_poses(&hub, &sensor(number), time);
         assert!(live.len() > 80);
-        assert_eq!(all_poses(&replayed, number, time), live);
+        assert_eq!(all_poses(&replayed, &sensor(number), time), live);
     }
 }
 

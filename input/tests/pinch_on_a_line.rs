@@ -5,6 +5,10 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
+mod replaying;
+mod waiting;
+
+use replaying::played;
 use sandtable_config::{Rig, SensorName};
 use sandtable_input::pinch::{
     ContactGroups, Faults, Motion, SimulatedPinch, Simulator, SimulatorSettings,
@@ -17,10 +21,8 @@ use sandtable_pose::Nanos;
 use serialport::{FlowControl, SerialPort};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// A device that is tried again every half second, on a slow machine.
-const PATIENCE: Duration = Duration::from_secs(20);
+use std::time::Duration;
+use waiting::wait_for;
 
 /// Pauses and patience short, so that tests are.
 const QUICK: &str =
@@ -146,18 +148,6 @@ fn releases(file: &Path) -> usize {
         assert_eq!(contacts_at(&hub, *time), [None; 2], "at {time:?}");
     }
     times.len()
-}
-
-/// Waits until `found` gives something; fails by name where it never does.
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }
 
 #[test]
@@ -373,14 +363,7 @@ fn lost_bytes_and_a_closed_port_tell_no_false_contact_and_all_of_it_replays() {
     // One of eleven bytes lost is one of three or four messages.
     assert!(counts.stray_bytes + counts.implausible > 4, "{counts:?}");
 
-    let mut replay = Replay::open(&file).unwrap();
-    let replayed = Hub::for_rig(replay.rig());
-    // By steps that are no multiple of anything.
-    let mut time = replay.start();
-    while !replay.is_over() {
-        replay.advance_to(time, &replayed);
-        time = time + Duration::from_nanos(16_666_667);
-    }
+    let (replayed, time) = played(&file);
     assert!(releases(&file) > 2, "a release is a read of nothing");
     let states: Vec<[Contacts; 2]> = (0..3)
         .map(|number| bad.motion.change(number).unwrap().1.contacts())

@@ -4,16 +4,20 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
+mod replaying;
 mod vrpn_by_hand;
+mod waiting;
 
+use replaying::{all_poses, played};
 use sandtable_config::{Rig, SensorName};
 use sandtable_input::{Clock, Condition, Devices, Hub, Recorder, Replay};
-use sandtable_pose::{Nanos, Pose, Validity};
+use sandtable_pose::{Pose, Validity};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use vrpn_by_hand::{COOKIE, Peer, doubles, integers, kind, message, pose, sender, wait_for};
+use vrpn_by_hand::{COOKIE, Peer, doubles, integers, kind, message, pose, sender};
+use waiting::wait_for;
 
 const IDENTITY: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
@@ -64,7 +68,7 @@ impl Session {
     fn accept_silently(&self) -> Peer {
         let (socket, _) = self.listener.accept().unwrap();
         let mut peer = Peer::new(socket);
-        let cookie = peer.bytes(24, vrpn_by_hand::PATIENCE).unwrap();
+        let cookie = peer.bytes(24, waiting::PATIENCE).unwrap();
         assert_eq!(cookie, COOKIE);
         peer
     }
@@ -205,7 +209,7 @@ fn nobody_there_is_said_with_host_port_and_remedy_and_waited_for() {
     let listener = TcpListener::bind(("127.0.0.1", port)).unwrap();
     let (socket, _) = listener.accept().unwrap();
     assert_eq!(
-        Peer::new(socket).bytes(24, vrpn_by_hand::PATIENCE).unwrap(),
+        Peer::new(socket).bytes(24, waiting::PATIENCE).unwrap(),
         COOKIE
     );
 }
@@ -254,7 +258,7 @@ fn a_quiet_server_is_asked_and_only_a_dead_one_left() {
     let (mut senders, mut kinds) = (Vec::new(), Vec::new());
     let mut pings = 0;
     while pings < 3 {
-        let said = peer.message(vrpn_by_hand::PATIENCE).unwrap();
+        let said = peer.message(waiting::PATIENCE).unwrap();
         match said.kind {
             -1 => senders.push((said.sender, said.name().to_owned())),
             -2 => kinds.push((said.sender, said.name().to_owned())),
@@ -343,17 +347,6 @@ fn no_network_makes_a_stop_wait() {
     assert!(stopping(session.devices) < Duration::from_secs(2));
 }
 
-/// Every pose that a sensor has until `time`, the oldest first.
-fn all_poses(hub: &Hub, number: u32, mut time: Nanos) -> Vec<Pose> {
-    let mut poses = Vec::new();
-    while let Some(pose) = hub.pose_at(&sensor_name(number), time) {
-        time = pose.time - Duration::from_nanos(1);
-        poses.push(pose);
-    }
-    poses.reverse();
-    poses
-}
-
 #[test]
 fn a_recorded_session_replays_to_the_bit_over_a_reconnection() {
     let folder = tempfile::tempdir().unwrap();
@@ -393,18 +386,13 @@ fn a_recorded_session_replays_to_the_bit_over_a_reconnection() {
     let Session { hub, devices, .. } = session;
     devices.stop();
 
-    let mut replay = Replay::open(&file).unwrap();
-    let replayed = Hub::for_rig(replay.rig());
-    let mut time = replay.start();
-    while !replay.is_over() {
-        replay.advance_to(time, &replayed);
-        time = time + Duration::from_nanos(16_666_667);
-    }
+    let (replayed, time) = played(&file);
     for number in 1..=2 {
-        let live = all_poses(&hub, number, time);
+        let live = all_poses(&hub, &sensor_name(number), time);
         assert!(live.len() > 25, "{}", live.len());
-        assert_eq!(all_poses(&replayed, number, time), live);
+        assert_eq!(all_poses(&replayed, &sensor_name(number), time), live);
     }
+    let replay = Replay::open(&file).unwrap();
     let end = replay.end() + Duration::from_secs(1);
     let mut time = replay.start();
     let (mut pressed, wand) = (Vec::new(), sensor_name(2));

@@ -4,6 +4,8 @@
     reason = "a test's helpers may fail as its body may"
 )]
 
+mod waiting;
+
 use sandtable_config::{Device, Gesture, Rig, SensorName};
 use sandtable_input::data_glove::{Motion, SimulatedDataGlove, SimulatorSettings};
 use sandtable_input::hand::GestureRecogniser;
@@ -15,11 +17,9 @@ use sandtable_input::{
 use sandtable_pose::Nanos;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use waiting::wait_for;
 
 /// On a slow machine.
-const PATIENCE: Duration = Duration::from_secs(20);
-
 fn rig(devices: &str) -> Rig {
     Rig::parse(&format!("name = 'g'\n[camera]\n{devices}"), "g.toml").unwrap()
 }
@@ -99,17 +99,6 @@ impl Clients {
 
     fn gestures(&self, device: &str) -> GestureRecogniser {
         GestureRecogniser::new(self.rig.devices[device].gestures().unwrap().clone())
-    }
-}
-
-fn wait_for<T>(what: &str, mut ready: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(ready) = ready() {
-            return ready;
-        }
-        assert!(start.elapsed() < PATIENCE, "{what} did not come");
-        std::thread::sleep(Duration::from_millis(1));
     }
 }
 

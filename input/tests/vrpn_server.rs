@@ -5,6 +5,7 @@
 )]
 
 mod vrpn_by_hand;
+mod waiting;
 
 use glam::{DQuat, DVec3};
 use sandtable_config::{Rig, SensorName};
@@ -19,7 +20,8 @@ use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::time::Duration;
-use vrpn_by_hand::{COOKIE, Message, PATIENCE, Peer, kind, message, sender, wait_for};
+use vrpn_by_hand::{COOKIE, Message, Peer, kind, message, sender};
+use waiting::{PATIENCE, wait_for};
 
 const LOOPBACK: VrpnServerSettings = VrpnServerSettings {
     bind: SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0),

@@ -2,14 +2,12 @@
 //! the crate's own wire.
 #![allow(dead_code, reason = "each test file uses its own part of it")]
 
+use crate::waiting::PATIENCE;
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 pub(crate) const COOKIE: [u8; 24] = *b"vrpn: ver. 07.38  0\0\0\0\0\0";
-
-/// A machine that is busy elsewhere still gets there.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Header, payload and padding.
 pub(crate) fn message(sender: i32, kind: i32, payload: &[u8]) -> Vec<u8> {
@@ -159,17 +157,5 @@ impl Peer {
             }
         }
         false
-    }
-}
-
-/// Waits until `found` gives something; fails by name where it never does.
-pub(crate) fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        std::thread::sleep(Duration::from_millis(2));
     }
 }

@@ -152,6 +152,25 @@ fn a_tracker_is_found_to_a_millimetre_and_every_comment_kept() {
     );
 }
 
+/// Touches every mark, and misses "back right" by 40 mm.
+fn touch_with_a_slip(bird: &mut Bird, talk: &mut Talk, marks: &[(&str, DVec3)]) {
+    for (name, place) in marks {
+        talk.hear(&format!("touch \"{name}\""));
+        let slip = if *name == "back right" { 0.04 } else { 0.0 };
+        bird.touch(*place + slip * DVec3::X, TIP, [10.0, 20.0, 0.0]);
+        talk.measure();
+    }
+}
+
+/// The RMS of each table that was shown, in millimetres.
+fn rms(out: &str) -> Vec<f64> {
+    let lines = out.lines();
+    let lines = lines.filter(|line| line.trim_start().starts_with("RMS"));
+    lines
+        .filter_map(|line| line.split_whitespace().nth(1)?.parse().ok())
+        .collect()
+}
+
 #[test]
 fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
     let folder = folder();
@@ -161,12 +180,7 @@ fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
     let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
     let mut bird = Bird::start(&folder, "");
     let mut talk = Talk::start(&folder, arguments);
-    for (name, place) in &more {
-        talk.hear(&format!("touch \"{name}\""));
-        let slip = if *name == "back right" { 0.04 } else { 0.0 };
-        bird.touch(*place + slip * DVec3::X, TIP, [10.0, 20.0, 0.0]);
-        talk.measure();
-    }
+    touch_with_a_slip(&mut bird, &mut talk, &more);
     talk.hear("Enter shows the lines");
     talk.say("9");
     talk.hear("no point");
@@ -186,12 +200,7 @@ fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
     assert!(shown[0].starts_with("- table_from_tracker"), "{ended:?}");
     assert!(shown[1].starts_with("+ table_from_tracker"), "{ended:?}");
     // Without the slip the rest fits to the tracker's steps.
-    let rms: Vec<f64> = ended
-        .out
-        .lines()
-        .filter(|line| line.trim_start().starts_with("RMS"))
-        .filter_map(|line| line.split_whitespace().nth(1)?.parse().ok())
-        .collect();
+    let rms = rms(&ended.out);
     assert!(rms[0] > 5.0 && rms[1] < 1.0, "{rms:?}");
     assert_eq!(folder.read("rig.toml"), with_tip().as_bytes());
     assert_eq!(folder.names(), ["bird", "marks.toml", "rig.toml"]);
@@ -204,12 +213,7 @@ fn a_mark_that_was_missed_may_be_touched_again() {
     let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
     let mut bird = Bird::start(&folder, "");
     let mut talk = Talk::start(&folder, arguments);
-    for (name, place) in &MARKS {
-        talk.hear(&format!("touch \"{name}\""));
-        let slip = if *name == "back right" { 0.04 } else { 0.0 };
-        bird.touch(*place + slip * DVec3::X, TIP, [10.0, 20.0, 0.0]);
-        talk.measure();
-    }
+    touch_with_a_slip(&mut bird, &mut talk, &MARKS);
     talk.hear("has it touched again");
     talk.say("t9");
     talk.hear("no point");
@@ -221,12 +225,7 @@ fn a_mark_that_was_missed_may_be_touched_again() {
     talk.hear("Enter shows the lines");
     talk.say("");
     let ended = talk.end().done();
-    let rms: Vec<f64> = ended
-        .out
-        .lines()
-        .filter(|line| line.trim_start().starts_with("RMS"))
-        .filter_map(|line| line.split_whitespace().nth(1)?.parse().ok())
-        .collect();
+    let rms = rms(&ended.out);
     assert!(rms[0] > 5.0 && rms[1] < 1.0, "{rms:?}");
 }
 
