@@ -11,7 +11,7 @@ mod waiting;
 use replaying::played;
 use sandtable_config::{Rig, SensorName};
 use sandtable_input::pinch::{
-    ContactGroups, Faults, Motion, SimulatedPinch, Simulator, SimulatorSettings,
+    self, ContactGroups, Faults, Motion, SimulatedPinch, Simulator, SimulatorSettings,
 };
 use sandtable_input::{
     Clock, Condition, Contacts, Devices, Fingers, HandState, Hub, Recorder, Replay,
@@ -270,6 +270,62 @@ fn garbage_before_the_first_message_does_no_harm() {
     let session = Session::start(simulator.path(), QUICK);
     session.wait_until_thumb_touches_at_once(0, Fingers::INDEX);
     assert!(session.counts().stray_bytes > 0);
+}
+
+/// A box that says something at the first byte of each command, as an answer to another host that
+/// comes late, and takes its time for its own.
+#[derive(Debug)]
+struct Chatty {
+    gloves: SimulatedPinch,
+    amid_command: bool,
+    said: Vec<u8>,
+    asked: Duration,
+}
+
+impl SimulatedDevice for Chatty {
+    fn receive(&mut self, bytes: &[u8], now: Duration) {
+        for byte in bytes {
+            self.amid_command = !self.amid_command;
+            if self.amid_command {
+                pinch::encode_text("9", &mut self.said);
+            } else {
+                self.asked = now;
+            }
+            self.gloves.receive(&[*byte], now);
+        }
+    }
+
+    fn send(&mut self, now: Duration) -> Vec<u8> {
+        let mut bytes = std::mem::take(&mut self.said);
+        if now > self.asked + Duration::from_millis(70) {
+            bytes.extend(self.gloves.send(now));
+        }
+        bytes
+    }
+
+    fn quiet_for(&self, _: Duration) -> Option<Duration> {
+        Some(Duration::from_millis(1))
+    }
+}
+
+#[test]
+fn what_came_before_a_commands_end_answers_something_else() {
+    let device = Chatty {
+        gloves: SimulatedPinch::new(settings(by_turns(150, PINCH, PINCH))),
+        amid_command: false,
+        said: Vec::new(),
+        asked: Duration::ZERO,
+    };
+    let simulator = sandtable_input::Simulator::<Chatty>::start(device, None).unwrap();
+    // Long enough for it to be read before the second byte is sent.
+    let slowly = QUICK.replace("byte_pause = 0.002", "byte_pause = 0.1");
+    let slowly = slowly.replace("answer_within = 0.2", "answer_within = 1.0");
+    let session = Session::start(simulator.path(), &slowly);
+    wait_for("a box that streams", || {
+        assert_eq!(session.problem(), None);
+        let condition = session.devices.states().remove(0).condition;
+        (condition == Condition::Streaming).then_some(())
+    });
 }
 
 #[test]

@@ -44,19 +44,6 @@ pub(crate) fn hand_flight(from: &Rigid, to: &Rigid) -> FlightAxes {
     }
 }
 
-/// The sum of two wishes to fly, each axis kept within −1 to 1.
-pub(crate) fn together(a: &FlightAxes, b: &FlightAxes) -> FlightAxes {
-    let sum = |a: f64, b: f64| (a + b).clamp(-1.0, 1.0);
-    FlightAxes {
-        right: sum(a.right, b.right),
-        forward: sum(a.forward, b.forward),
-        up: sum(a.up, b.up),
-        yaw: sum(a.yaw, b.yaw),
-        pitch: sum(a.pitch, b.pitch),
-        roll: sum(a.roll, b.roll),
-    }
-}
-
 /// The turn from one attitude to the other about the table's vertical, counter-clockwise seen from
 /// above, in (−π, π]: that part of it whose axis is z.
 fn twist(from: &Rigid, to: &Rigid) -> f64 {
@@ -163,15 +150,5 @@ mod tests {
         assert_eq!(at(0.0, 0.0, 0.0, -FRAC_PI_2).yaw, 1.0);
         assert_eq!(at(0.0, 0.0, 0.0, FRAC_PI_2).yaw, -1.0);
         assert!((at(0.0, 0.0, 0.0, -0.45).yaw - 0.5).abs() < 1e-12);
-    }
-
-    #[test]
-    fn two_wishes_add_up_to_no_more_than_one_full_one() {
-        let axes = |right, yaw| FlightAxes {
-            right,
-            yaw,
-            ..FlightAxes::default()
-        };
-        assert_eq!(together(&axes(0.7, 0.5), &axes(0.7, -0.5)), axes(1.0, 0.0));
     }
 }

@@ -16,5 +16,5 @@ mod path;
 mod table;
 
 pub(crate) use fly::{FlyCamera, Pace};
-pub(crate) use hand::{carried, hand_flight, together};
+pub(crate) use hand::{carried, hand_flight};
 pub(crate) use table::TableFlight;

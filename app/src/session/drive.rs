@@ -2,7 +2,7 @@
 
 use super::hand::HandWork;
 use super::{Session, Viewpoint};
-use crate::navigation::{Pace, together};
+use crate::navigation::Pace;
 use crate::scene;
 use crate::window::{Device, HandReadings, MouseDrive, Readings, TableReadings, Wish};
 use glam::DVec3;
@@ -28,7 +28,7 @@ impl Session {
         let before = self.moved();
         let start = self.position();
         self.move_bodies(intents, mouse);
-        let axes = together(&intents.flight, &self.work_the_hand(intents, mouse));
+        let axes = intents.flight.combined(self.work_the_hand(intents, mouse));
         let boost = match intents.holds(Intent::Faster) {
             true => BOOST,
             false => 1.0,

@@ -18,6 +18,9 @@ pub struct IntentState {
     begun: u32,
 }
 
+// Each has a bit of its own.
+const _: () = assert!(Intent::ALL.len() <= u32::BITS as usize);
+
 fn bit(intent: Intent) -> u32 {
     1 << intent as u32
 }
