@@ -34,6 +34,40 @@ impl<'a> Canvas<'a> {
         self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
         self.depth[at].store(depth.to_bits(), Ordering::Relaxed);
     }
+
+    /// Sets pixels side by side, from (i, j) on: as many as there are depths.
+    ///
+    /// # Safety
+    /// No other thread touches these pixels meanwhile.
+    #[allow(unsafe_code, reason = "many pixels a store, where `set` has one")]
+    #[inline]
+    pub(crate) unsafe fn set_row(&self, [i, j]: [u32; 2], colours: &[i32], depths: &[f32]) {
+        let from = j as usize * self.width + i as usize;
+        let count = depths.len().min(colours.len());
+        let colour = &self.colour[from..from + count];
+        let depth = &self.depth[from..from + count];
+        // SAFETY: the cells can be changed through a shared reference, both sides have `count`
+        // items of four bytes, and by the caller's promise there is no race.
+        unsafe {
+            let to = AtomicU32::as_ptr(&colour[0]).cast::<i32>();
+            to.copy_from_nonoverlapping(colours.as_ptr(), count);
+            let to = AtomicU32::as_ptr(&depth[0]).cast::<f32>();
+            to.copy_from_nonoverlapping(depths.as_ptr(), count);
+        }
+    }
+
+    /// Sets pixels one below the other, from (i, j) on: as many as there are depths.
+    #[inline]
+    pub(crate) fn set_column(&self, [i, j]: [u32; 2], colours: &[i32], depths: &[f32]) {
+        let from = j as usize * self.width + i as usize;
+        let colour = self.colour[from..].iter().step_by(self.width);
+        let depth = self.depth[from..].iter().step_by(self.width);
+        for ((to, depth_to), (&colour, depth)) in colour.zip(depth).zip(colours.iter().zip(depths))
+        {
+            to.store(colour as u32, Ordering::Relaxed);
+            depth_to.store(depth.to_bits(), Ordering::Relaxed);
+        }
+    }
 }
 
 fn atomic(words: &mut [u32]) -> &[AtomicU32] {

@@ -4,7 +4,7 @@ use crate::options::Options;
 use crate::voxels::{VOXEL_OPTIONS, VoxelOptions};
 use crate::{
     Boundary, Brute, CastError, Caster, CasterOption, Coherent, Conventional, FloatingHorizon,
-    Inclined, Multiresolution, RollLines, Volume, floating_horizon, inclined,
+    Inclined, Multiresolution, Planes, RollLines, Volume, floating_horizon, inclined,
 };
 use std::sync::Arc;
 
@@ -36,13 +36,19 @@ impl CasterKind {
 }
 
 /// All casters, the default one first.
-pub static CASTERS: [CasterKind; 11] = [
+pub static CASTERS: [CasterKind; 12] = [
     CasterKind {
         name: "coherent",
         summary: "each column from its bottom up, starting at the last hit, with retracing: for \
                   level views",
         options: &[],
         build: |_| Ok(Arc::new(Coherent)),
+    },
+    CasterKind {
+        name: "planes",
+        summary: "coherence along vertical planes, exact for any eye and window",
+        options: &Planes::OPTIONS,
+        build: |options| Ok(Arc::new(Planes::read(options)?)),
     },
     CasterKind {
         name: "volume",

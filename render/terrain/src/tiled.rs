@@ -8,12 +8,9 @@ pub const TILE_CELLS: u32 = 1 << TILE_SHIFT;
 const TILE_SHIFT: u32 = 8;
 const TILE_MASK: u32 = TILE_CELLS - 1;
 
-/// One tile's posts, row by row from its south-west corner.
-#[derive(Clone, Debug)]
-struct Tile<T> {
-    stride: usize,
-    posts: Box<[T]>,
-}
+/// One tile's posts, row by row from its south-west corner. Rows are as long in all tiles of a
+/// raster; in the last tile of a side, what lies beyond the raster repeats its last post.
+type Tile<T> = Box<[T]>;
 
 /// A raster of posts in tiles of [`TILE_CELLS`]² cells. Row 0 is south.
 ///
@@ -25,6 +22,7 @@ pub struct TiledRaster<T> {
     cols: u32,
     rows: u32,
     tiles_across: u32,
+    stride: usize,
     tiles: Vec<Arc<Tile<T>>>,
 }
 
@@ -52,6 +50,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         );
         let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
         let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
+        let stride = cols.min(TILE_CELLS + 1) as usize;
         let tiles = (0..tiles_across * tiles_up)
             .into_par_iter()
             .map(|index| {
@@ -59,24 +58,19 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
                     index % tiles_across * TILE_CELLS,
                     index / tiles_across * TILE_CELLS,
                 );
-                let (col1, row1) = (
-                    cols.min(col0 + TILE_CELLS + 1),
-                    rows.min(row0 + TILE_CELLS + 1),
-                );
+                let row1 = rows.min(row0 + TILE_CELLS + 1);
                 let posts = (row0..row1)
-                    .flat_map(|row| (col0..col1).map(move |col| (col, row)))
-                    .map(|(col, row)| post(col, row))
+                    .flat_map(|row| (col0..col0 + stride as u32).map(move |col| (col, row)))
+                    .map(|(col, row)| post(col.min(cols - 1), row))
                     .collect();
-                Arc::new(Tile {
-                    stride: (col1 - col0) as usize,
-                    posts,
-                })
+                Arc::new(posts)
             })
             .collect();
         Self {
             cols,
             rows,
             tiles_across,
+            stride,
             tiles,
         }
     }
@@ -107,6 +101,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
         let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
         let width = cols as usize;
+        let stride = width.min(TILE_CELLS as usize + 1);
         let mut band = vec![T::default(); width * rows.min(TILE_CELLS + 1) as usize];
         let mut tiles = Vec::with_capacity((tiles_across * tiles_up) as usize);
         // Rows of tiles from the north; `north` and `south` are post rows, from the south.
@@ -128,16 +123,12 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
             let band = &band;
             tiles.par_extend((0..tiles_across).into_par_iter().rev().map(|tile_col| {
                 let west = (tile_col * TILE_CELLS) as usize;
-                let east = width.min(west + TILE_CELLS as usize + 1);
                 let posts = (0..height)
                     .rev()
-                    .flat_map(|row| &band[row * width + west..row * width + east])
-                    .copied()
+                    .flat_map(|row| (west..west + stride).map(move |col| (col, row)))
+                    .map(|(col, row)| band[row * width + col.min(width - 1)])
                     .collect();
-                Arc::new(Tile {
-                    stride: east - west,
-                    posts,
-                })
+                Arc::new(posts)
             }));
         }
         tiles.reverse();
@@ -145,6 +136,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
             cols,
             rows,
             tiles_across,
+            stride,
             tiles,
         })
     }
@@ -173,7 +165,22 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     /// All posts of one tile.
     #[must_use]
     pub fn tile_posts(&self, tile: TileIndex) -> &[T] {
-        &self.tiles[(tile.row * self.tiles_across + tile.col) as usize].posts
+        &self.tiles[(tile.row * self.tiles_across + tile.col) as usize]
+    }
+
+    /// How far apart two rows begin within [`TiledRaster::tile_posts`], in posts: the same in all
+    /// tiles of a raster. In a side's last tile, what lies beyond the raster repeats its last
+    /// post.
+    #[inline]
+    #[must_use]
+    pub fn tile_stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Number of tiles from west to east.
+    #[must_use]
+    pub fn tiles_across(&self) -> u32 {
+        self.tiles_across
     }
 
     /// The posts of cell (`col`, `row`): south-west, south-east, north-west, north-east.
@@ -185,9 +192,9 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     pub fn cell(&self, col: u32, row: u32) -> [T; 4] {
         let tile =
             &self.tiles[((row >> TILE_SHIFT) * self.tiles_across + (col >> TILE_SHIFT)) as usize];
-        let at = (row & TILE_MASK) as usize * tile.stride + (col & TILE_MASK) as usize;
-        let south = &tile.posts[at..at + 2];
-        let north = &tile.posts[at + tile.stride..at + tile.stride + 2];
+        let at = (row & TILE_MASK) as usize * self.stride + (col & TILE_MASK) as usize;
+        let south = &tile[at..at + 2];
+        let north = &tile[at + self.stride..at + self.stride + 2];
         [south[0], south[1], north[0], north[1]]
     }
 
@@ -203,11 +210,8 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         let tile_row = row.min(self.rows - 2) >> TILE_SHIFT;
         let tile = &self.tiles[(tile_row * self.tiles_across + tile_col) as usize];
         let (x, y) = (col - tile_col * TILE_CELLS, row - tile_row * TILE_CELLS);
-        assert!(
-            (x as usize) < tile.stride,
-            "there is no post in column {col}"
-        );
-        tile.posts[y as usize * tile.stride + x as usize]
+        assert!(col < self.cols, "there is no post in column {col}");
+        tile[y as usize * self.stride + x as usize]
     }
 
     /// Replaces one post in every tile that holds it; cheap while no snapshot shares the tiles.
@@ -224,7 +228,13 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
                 let index = (tile_row * self.tiles_across + tile_col) as usize;
                 let tile = Arc::make_mut(&mut self.tiles[index]);
                 let (x, y) = (col - tile_col * TILE_CELLS, row - tile_row * TILE_CELLS);
-                tile.posts[y as usize * tile.stride + x as usize] = value;
+                let from = y as usize * self.stride + x as usize;
+                let to = if col == self.cols - 1 {
+                    (y as usize + 1) * self.stride
+                } else {
+                    from + 1
+                };
+                tile[from..to].fill(value);
             }
         }
     }
@@ -244,10 +254,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     /// Bytes held by the posts.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.tiles
-            .iter()
-            .map(|tile| size_of_val(&*tile.posts))
-            .sum()
+        self.tiles.iter().map(|tile| size_of_val(&***tile)).sum()
     }
 
     /// A snapshot in which the posts of `cols` by `rows` (half-open) are replaced by `post`, and
@@ -264,8 +271,10 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         for index in self.tile_indices() {
             let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
             let slot = &mut result.tiles[(index.row * self.tiles_across + index.col) as usize];
-            let height = (slot.posts.len() / slot.stride) as u32;
-            let col_range = cols.start.max(col0)..cols.end.min(col0 + slot.stride as u32);
+            let stride = self.stride;
+            let height = (slot.len() / stride) as u32;
+            let width = (stride as u32).min(self.cols - col0);
+            let col_range = cols.start.max(col0)..cols.end.min(col0 + width);
             let row_range = rows.start.max(row0)..rows.end.min(row0 + height);
             if col_range.is_empty() || row_range.is_empty() {
                 continue;
@@ -273,9 +282,13 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
             let tile = Arc::make_mut(slot);
             for row in row_range {
                 for col in col_range.clone() {
-                    let value = &mut tile.posts
-                        [(row - row0) as usize * tile.stride + (col - col0) as usize];
+                    let value = &mut tile[(row - row0) as usize * stride + (col - col0) as usize];
                     *value = post(col, row, *value);
+                }
+                if col_range.end == self.cols {
+                    let begin = (row - row0) as usize * stride;
+                    let last = tile[begin + width as usize - 1];
+                    tile[begin + width as usize..begin + stride].fill(last);
                 }
             }
             changed.push(index);
@@ -295,7 +308,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         post: impl Fn(u32, u32) -> T + Sync,
     ) -> Self {
         let mut result = self.clone();
-        let across = self.tiles_across;
+        let (across, stride, last) = (self.tiles_across, self.stride, self.cols - 1);
         result
             .tiles
             .par_iter_mut()
@@ -307,11 +320,13 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
                 };
                 if tiles.contains(&index) {
                     let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
-                    let stride = tile.stride;
-                    let posts = (0..tile.posts.len())
-                        .map(|at| post(col0 + (at % stride) as u32, row0 + (at / stride) as u32))
+                    let posts = (0..tile.len())
+                        .map(|at| {
+                            let col = (col0 + (at % stride) as u32).min(last);
+                            post(col, row0 + (at / stride) as u32)
+                        })
                         .collect();
-                    *tile = Arc::new(Tile { stride, posts });
+                    *tile = Arc::new(posts);
                 }
             });
         result

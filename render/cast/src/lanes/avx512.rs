@@ -1,0 +1,447 @@
+//! AVX-512: sixteen lanes a register.
+
+use super::portable::cell_place;
+use super::{LANES, Lanes, Sources};
+use std::arch::x86_64::*;
+
+/// The proof that the processor has AVX-512 F, BW, DQ and VL.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512(());
+
+impl Avx512 {
+    /// The proof, where there is one.
+    pub(crate) fn detect() -> Option<Self> {
+        (is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl"))
+        .then_some(Self(()))
+    }
+}
+
+/// An intrinsic on values.
+macro_rules! on_values {
+    ($intrinsic:expr) => {
+        // SAFETY: whoever holds an `Avx512` has seen that the processor has the instruction.
+        unsafe {
+            $intrinsic
+        }
+    };
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline(never)]
+fn run<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
+
+/// Two neighbouring items of four bytes each, for lanes 0 to 7 and 8 to 15.
+type Pairs = [__m512i; 2];
+
+/// The pairs at sixteen addresses.
+///
+/// # Safety
+/// Eight bytes can be read at each.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline]
+unsafe fn pairs(address: impl Fn(usize) -> *const u8) -> Pairs {
+    macro_rules! quarter {
+        ($k:expr) => {{
+            // SAFETY: the caller's promise.
+            unsafe {
+                let low = _mm_loadl_epi64(address($k).cast());
+                let both = _mm_loadh_pd(_mm_castsi128_pd(low), address($k + 1).cast());
+                _mm_castpd_si128(both)
+            }
+        }};
+    }
+    macro_rules! half {
+        ($k:expr) => {{
+            let low = _mm256_castsi128_si256(quarter!($k));
+            let low = _mm256_inserti128_si256::<1>(low, quarter!($k + 2));
+            let high = _mm256_castsi128_si256(quarter!($k + 4));
+            let high = _mm256_inserti128_si256::<1>(high, quarter!($k + 6));
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+        }};
+    }
+    [half!(0), half!(8)]
+}
+
+/// Lanes in memory, from where single ones are read. That is faster than taking them out of a
+/// register, which is what a compiler that sees through it would do.
+#[repr(align(64))]
+struct InMemory([u32; LANES]);
+
+impl InMemory {
+    #[inline(always)]
+    fn store(&mut self, lanes: __m512i) -> &Self {
+        on_values!(_mm512_store_si512(self.0.as_mut_ptr().cast(), lanes));
+        std::hint::black_box(self)
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> usize {
+        self.0[lane] as usize
+    }
+}
+
+/// The pairs at lanes' places, and those a row further. Places beyond a tile's last cell are moved
+/// to it.
+#[inline(always)]
+fn rows<T>(tiles: &Sources<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
+    const { assert!(size_of::<T>() == 4) };
+    match tiles {
+        Sources::One(tile) => {
+            assert!(tile.len() >= stride as usize + 2, "a tile has a cell");
+            let last = tile.len() as u32 - (stride + 2);
+            let mut memory = InMemory([0; LANES]);
+            let places = memory.store(on_values!(_mm512_min_epu32(
+                at,
+                _mm512_set1_epi32(last as i32)
+            )));
+            let south = tile.as_ptr();
+            let north = south.wrapping_add(stride as usize);
+            // SAFETY: the places leave a row and two items to the tile's end.
+            unsafe {
+                [
+                    pairs(|k| south.wrapping_add(places.lane(k)).cast()),
+                    pairs(|k| north.wrapping_add(places.lane(k)).cast()),
+                ]
+            }
+        }
+        Sources::Each(tiles) => on_values!(rows_of_each(tiles, at, stride)),
+    }
+}
+
+/// `rows` where each lane has a tile of its own.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline(never)]
+fn rows_of_each<T>(tiles: &[&[T]; LANES], at: __m512i, stride: u32) -> [Pairs; 2] {
+    let mut memory = InMemory([0; LANES]);
+    let places = memory.store(at);
+    let south: [*const T; LANES] = std::array::from_fn(|k| {
+        assert!(tiles[k].len() >= stride as usize + 2, "a tile has a cell");
+        let place = cell_place(places.lane(k) as i32, tiles[k].len(), stride);
+        tiles[k].as_ptr().wrapping_add(place)
+    });
+    // SAFETY: the places leave a row and two items to their tiles' ends.
+    unsafe {
+        [
+            pairs(|k| south[k].cast()),
+            pairs(|k| south[k].wrapping_add(stride as usize).cast()),
+        ]
+    }
+}
+
+/// Blends sixteen lanes' four texels: a southern and a northern row of neighbours, lanes 0 to 7 and
+/// 8 to 15 each.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline]
+fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m512) -> __m512i {
+            let scale = _mm512_set1_ps(32767.0);
+            let east = _mm512_cvttps_epi32(_mm512_mul_ps(east, scale));
+            let north = _mm512_cvttps_epi32(_mm512_mul_ps(north, scale));
+            // A lane's weight on each of its four channels.
+            let spread = |weights: __m256i| {
+                let wide = _mm512_cvtepu32_epi64(weights);
+                let pair = _mm512_or_si512(wide, _mm512_slli_epi64::<16>(wide));
+                _mm512_or_si512(pair, _mm512_slli_epi64::<32>(pair))
+            };
+            // Eight lanes' western and eastern texels, 16 bits a channel, six of them a fraction.
+            let west_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
+                0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
+            ));
+            let east_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
+                4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
+            ));
+            let along = |from, to, share| {
+                _mm512_add_epi16(from, _mm512_mulhrs_epi16(_mm512_sub_epi16(to, from), share))
+            };
+            let row = |pairs, share| {
+                let west = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, west_of));
+                let east = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, east_of));
+                along(west, east, share)
+            };
+            let eight = |south, north_row, east: __m256i, north: __m256i| {
+                let east = spread(east);
+                let blended = along(row(south, east), row(north_row, east), spread(north));
+                let rounded = _mm512_add_epi16(blended, _mm512_set1_epi16(32));
+                _mm512_cvtepi16_epi8(_mm512_srli_epi16::<6>(rounded))
+            };
+            let low = eight(
+                south[0],
+                north_row[0],
+                _mm512_castsi512_si256(east),
+                _mm512_castsi512_si256(north),
+            );
+            let high = eight(
+                south[1],
+                north_row[1],
+                _mm512_extracti64x4_epi64::<1>(east),
+                _mm512_extracti64x4_epi64::<1>(north),
+            );
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+}
+
+impl Lanes for Avx512 {
+    type F = __m512;
+    type I = __m512i;
+    type M = __mmask16;
+
+    #[inline(always)]
+    fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
+        on_values!(run(work))
+    }
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> __m512 {
+        on_values!(_mm512_set1_ps(value))
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> __m512 {
+        on_values!(_mm512_loadu_ps(from.as_ptr()))
+    }
+    #[inline(always)]
+    fn store(self, value: __m512, to: &mut [f32; LANES]) {
+        on_values!(_mm512_storeu_ps(to.as_mut_ptr(), value));
+    }
+    #[inline(always)]
+    fn add(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_add_ps(a, b))
+    }
+    #[inline(always)]
+    fn sub(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_sub_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_mul_ps(a, b))
+    }
+    #[inline(always)]
+    fn div(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_div_ps(a, b))
+    }
+    #[inline(always)]
+    fn sqrt(self, a: __m512) -> __m512 {
+        on_values!(_mm512_sqrt_ps(a))
+    }
+    #[inline(always)]
+    fn abs(self, a: __m512) -> __m512 {
+        on_values!(_mm512_abs_ps(a))
+    }
+    #[inline(always)]
+    fn min(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(self, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_max_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn lt(self, a: __m512, b: __m512) -> __mmask16 {
+        on_values!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn le(self, a: __m512, b: __m512) -> __mmask16 {
+        on_values!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn select(self, mask: __mmask16, yes: __m512, no: __m512) -> __m512 {
+        on_values!(_mm512_mask_mov_ps(no, mask, yes))
+    }
+    #[inline(always)]
+    fn add_where(self, mask: __mmask16, a: __m512, b: __m512) -> __m512 {
+        on_values!(_mm512_mask_add_ps(a, mask, a, b))
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u16) -> __mmask16 {
+        bits
+    }
+    #[inline(always)]
+    fn bits(self, mask: __mmask16) -> u16 {
+        mask
+    }
+    #[inline(always)]
+    fn and(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+    #[inline(always)]
+    fn or(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+        a | b
+    }
+    #[inline(always)]
+    fn and_not(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & !b
+    }
+
+    #[inline(always)]
+    fn splat_i(self, value: i32) -> __m512i {
+        on_values!(_mm512_set1_epi32(value))
+    }
+    #[inline(always)]
+    fn load_i(self, from: &[i32; LANES]) -> __m512i {
+        on_values!(_mm512_loadu_si512(from.as_ptr().cast()))
+    }
+    #[inline(always)]
+    fn store_i(self, value: __m512i, to: &mut [i32; LANES]) {
+        on_values!(_mm512_storeu_si512(to.as_mut_ptr().cast(), value));
+    }
+    #[inline(always)]
+    fn add_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_add_epi32(a, b))
+    }
+    #[inline(always)]
+    fn sub_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_sub_epi32(a, b))
+    }
+    #[inline(always)]
+    fn mul_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_mullo_epi32(a, b))
+    }
+    #[inline(always)]
+    fn and_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_and_si512(a, b))
+    }
+    #[inline(always)]
+    fn min_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_min_epi32(a, b))
+    }
+    #[inline(always)]
+    fn max_i(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_max_epi32(a, b))
+    }
+    #[inline(always)]
+    fn shl_i(self, a: __m512i, by: __m512i) -> __m512i {
+        on_values!(_mm512_sllv_epi32(a, by))
+    }
+    #[inline(always)]
+    fn shr_i(self, a: __m512i, by: __m512i) -> __m512i {
+        on_values!(_mm512_srav_epi32(a, by))
+    }
+    #[inline(always)]
+    fn gt_i(self, a: __m512i, b: __m512i) -> __mmask16 {
+        on_values!(_mm512_cmpgt_epi32_mask(a, b))
+    }
+    #[inline(always)]
+    fn eq_i(self, a: __m512i, b: __m512i) -> __mmask16 {
+        on_values!(_mm512_cmpeq_epi32_mask(a, b))
+    }
+    #[inline(always)]
+    fn select_i(self, mask: __mmask16, yes: __m512i, no: __m512i) -> __m512i {
+        on_values!(_mm512_mask_mov_epi32(no, mask, yes))
+    }
+    #[inline(always)]
+    fn add_i_where(self, mask: __mmask16, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_mask_add_epi32(a, mask, a, b))
+    }
+    #[inline(always)]
+    fn first_i(self, value: __m512i, mask: __mmask16) -> i32 {
+        on_values!(_mm_cvtsi128_si32(_mm512_castsi512_si128(
+            _mm512_maskz_compress_epi32(mask, value)
+        )))
+    }
+    #[inline(always)]
+    fn to_float(self, a: __m512i) -> __m512 {
+        on_values!(_mm512_cvtepi32_ps(a))
+    }
+    #[inline(always)]
+    fn to_int(self, a: __m512) -> __m512i {
+        on_values!(_mm512_cvttps_epi32(a))
+    }
+
+    #[inline(always)]
+    fn exponent(self, a: __m512) -> __m512i {
+        on_values!(_mm512_sub_epi32(
+            _mm512_srli_epi32::<23>(_mm512_castps_si512(a)),
+            _mm512_set1_epi32(127)
+        ))
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: __mmask16, value: __m512, to: &mut [f32; LANES]) {
+        // Not the instruction that compresses to memory, which some processors run slowly.
+        on_values!(_mm512_storeu_ps(
+            to.as_mut_ptr(),
+            _mm512_maskz_compress_ps(mask, value)
+        ));
+    }
+    #[inline(always)]
+    fn compress_i(self, mask: __mmask16, value: __m512i, to: &mut [i32; LANES]) {
+        on_values!(_mm512_storeu_si512(
+            to.as_mut_ptr().cast(),
+            _mm512_maskz_compress_epi32(mask, value)
+        ));
+    }
+
+    #[inline(always)]
+    fn scatter(self, mask: __mmask16, at: __m512i, value: __m512, to: &mut [f32]) {
+        assert!(!to.is_empty());
+        let last = i32::try_from(to.len() - 1).unwrap_or(i32::MAX);
+        // SAFETY: no place is beyond the last item, nor before the first.
+        unsafe {
+            let at = _mm512_min_epu32(at, _mm512_set1_epi32(last));
+            _mm512_mask_i32scatter_ps::<4>(to.as_mut_ptr().cast(), mask, at, value);
+        }
+    }
+
+    #[inline(always)]
+    fn cells(self, tiles: &Sources<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
+        let [[a, b], [c, d]] = rows(tiles, at, stride);
+        on_values!({
+            let even =
+                _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+            [
+                _mm512_castsi512_ps(_mm512_permutex2var_epi32(a, even, b)),
+                _mm512_castsi512_ps(_mm512_permutex2var_epi32(a, odd, b)),
+                _mm512_castsi512_ps(_mm512_permutex2var_epi32(c, even, d)),
+                _mm512_castsi512_ps(_mm512_permutex2var_epi32(c, odd, d)),
+            ]
+        })
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, tiles: &[T], at: __m512i) {
+        let mut lanes = [0_i32; LANES];
+        self.store_i(at, &mut lanes);
+        for k in (0..LANES).step_by(4) {
+            let place = tiles.as_ptr().wrapping_add(lanes[k] as u32 as usize);
+            on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
+        }
+    }
+
+    #[inline(always)]
+    fn halves(self, tiles: &Sources<'_, u16>, at: __m512i) -> __m512i {
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(at);
+        let mut values = [0_i32; LANES];
+        match tiles {
+            Sources::One(tile) => {
+                for (k, value) in values.iter_mut().enumerate() {
+                    *value = i32::from(tile[places.lane(k).min(tile.len() - 1)]);
+                }
+            }
+            Sources::Each(tiles) => {
+                for (k, value) in values.iter_mut().enumerate() {
+                    *value = i32::from(tiles[k][places.lane(k).min(tiles[k].len() - 1)]);
+                }
+            }
+        }
+        self.load_i(&values)
+    }
+
+    #[inline(always)]
+    fn texels(
+        self,
+        tiles: &Sources<'_, [u8; 4]>,
+        at: __m512i,
+        stride: u32,
+        east: __m512,
+        north: __m512,
+    ) -> __m512i {
+        let [south, north_row] = rows(tiles, at, stride);
+        on_values!(blend(south, north_row, east, north))
+    }
+}

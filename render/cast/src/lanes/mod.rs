@@ -1,0 +1,115 @@
+//! Sixteen rays at a time: the arithmetic of the fast kernels, over the processor's widest registers.
+//!
+//! A kernel is written once, over [`Lanes`], and compiled for each instruction set. All of them
+//! give the same bits: every operation here is one IEEE 754 operation a lane, correctly rounded
+//! (no fused multiply-add, no approximate reciprocal). [`Portable`] is the reference; the others
+//! are tested against it.
+//!
+//! A value of an instruction set's type is the proof that the processor has it: [`Isa::best`] and
+//! [`Isa::all`] hand out no others. Inside [`Lanes::vectorize`] the compiler may use it.
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions of one processor")]
+mod avx512;
+mod isa;
+mod portable;
+mod sources;
+
+pub(crate) use isa::{Isa, Kernel};
+pub(crate) use portable::Portable;
+pub(crate) use sources::Sources;
+
+/// Lanes in a group.
+pub(crate) const LANES: usize = 16;
+
+/// Sixteen lanes of one instruction set. `F` holds 32-bit floats, `I` 32-bit integers, `M` one
+/// truth value a lane.
+pub(crate) trait Lanes: Copy {
+    type F: Copy;
+    type I: Copy;
+    type M: Copy;
+
+    /// Runs `work`, in which this instruction set may be used, out of line.
+    fn vectorize<R>(self, work: impl FnOnce() -> R) -> R;
+
+    fn splat(self, value: f32) -> Self::F;
+    fn load(self, from: &[f32; LANES]) -> Self::F;
+    fn store(self, value: Self::F, to: &mut [f32; LANES]);
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sqrt(self, a: Self::F) -> Self::F;
+    fn abs(self, a: Self::F) -> Self::F;
+    /// `a` where it is less than `b`, else `b`: so `b` where one is NaN.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a` where it is greater than `b`, else `b`.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M;
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// `yes` where `mask`, else `no`.
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+    /// `a + b` where `mask`, else `a`.
+    fn add_where(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
+
+    fn mask(self, bits: u16) -> Self::M;
+    fn bits(self, mask: Self::M) -> u16;
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// `a` and not `b`.
+    fn and_not(self, a: Self::M, b: Self::M) -> Self::M;
+
+    fn splat_i(self, value: i32) -> Self::I;
+    fn load_i(self, from: &[i32; LANES]) -> Self::I;
+    fn store_i(self, value: Self::I, to: &mut [i32; LANES]);
+    fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
+    fn sub_i(self, a: Self::I, b: Self::I) -> Self::I;
+    /// The low 32 bits of each product.
+    fn mul_i(self, a: Self::I, b: Self::I) -> Self::I;
+    fn and_i(self, a: Self::I, b: Self::I) -> Self::I;
+    fn min_i(self, a: Self::I, b: Self::I) -> Self::I;
+    fn max_i(self, a: Self::I, b: Self::I) -> Self::I;
+    /// `a << by`, each lane by its own count below 32.
+    fn shl_i(self, a: Self::I, by: Self::I) -> Self::I;
+    /// `a >> by`, arithmetic, each lane by its own count below 32.
+    fn shr_i(self, a: Self::I, by: Self::I) -> Self::I;
+    fn gt_i(self, a: Self::I, b: Self::I) -> Self::M;
+    fn eq_i(self, a: Self::I, b: Self::I) -> Self::M;
+    fn select_i(self, mask: Self::M, yes: Self::I, no: Self::I) -> Self::I;
+    fn add_i_where(self, mask: Self::M, a: Self::I, b: Self::I) -> Self::I;
+    /// The value in the first lane of `mask`; in any lane where there is none.
+    fn first_i(self, value: Self::I, mask: Self::M) -> i32;
+    fn to_float(self, a: Self::I) -> Self::F;
+    /// Towards zero; any integer where it does not fit.
+    fn to_int(self, a: Self::F) -> Self::I;
+    /// ⌊log₂ a⌋ of positive, finite, normal numbers; any integer of others.
+    fn exponent(self, a: Self::F) -> Self::I;
+
+    /// Writes the lanes of `mask`, closed up, to the front of `to`; what follows is scratch.
+    fn compress(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]);
+    fn compress_i(self, mask: Self::M, value: Self::I, to: &mut [i32; LANES]);
+
+    /// Writes the lanes of `mask`, each to its own place; a place beyond the end to the last one.
+    fn scatter(self, mask: Self::M, at: Self::I, value: Self::F, to: &mut [f32]);
+
+    /// From each lane's own place in one or more tiles: the four posts of a cell (south-west,
+    /// south-east, north-west, north-east), which begin at `at` and, a row further, at
+    /// `at + stride`. Places beyond a tile's end are moved to its end.
+    fn cells(self, tiles: &Sources<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
+    /// Asks for the memory at each lane's place to be read ahead; of every fourth lane only.
+    fn prefetch<T>(self, tiles: &[T], at: Self::I);
+    /// From each lane's own place one 16-bit number.
+    fn halves(self, tiles: &Sources<'_, u16>, at: Self::I) -> Self::I;
+    /// Four neighbouring texels blended, rounded to bytes: as `cells`, with `east` and `north` in
+    /// [0, 1] the weights of the eastern and northern ones. The fourth byte is 255 where it is so
+    /// in all four texels.
+    fn texels(
+        self,
+        tiles: &Sources<'_, [u8; 4]>,
+        at: Self::I,
+        stride: u32,
+        east: Self::F,
+        north: Self::F,
+    ) -> Self::I;
+}

@@ -1,0 +1,184 @@
+//! The ground as one sector's rays meet it: mirrored and turned, so that all of them run the same
+//! way.
+
+use crate::lanes::{LANES, Lanes, Sources};
+
+/// Cells along a tile's side, as a shift.
+const TILE_SHIFT: i32 = 8;
+const TILE_LAST: i32 = (1 << TILE_SHIFT) - 1;
+
+/// The tiles of one view's ground.
+pub(super) struct Tiles<'a> {
+    pub(super) heights: Vec<&'a [f32]>,
+    pub(super) maxima: Vec<&'a [u16]>,
+    pub(super) across: i32,
+    pub(super) stride: u32,
+    /// Cells along x and y.
+    pub(super) cells: [i32; 2],
+}
+
+/// One axis of the ground as a sector's rays run along it.
+///
+/// Grid lines are numbered from the eye's cell on, in the direction in which rays run: line n lies
+/// `n − fraction` cells from the eye, and mirrored cell n between lines n and n + 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    pub(super) sign: i32,
+    /// The ground's cell that is mirrored cell 0.
+    pub(super) base: i32,
+    /// Where the eye lies in its cell, in [0, 1), along the rays' direction.
+    pub(super) fraction: f32,
+    /// The first and the last mirrored cell of the ground.
+    pub(super) cells: [i32; 2],
+}
+
+impl Axis {
+    /// An axis with `cells` cells along which the eye lies at `eye` cells.
+    pub(super) fn new(eye: f64, cells: i32, sign: i32) -> Self {
+        let base = if sign > 0 {
+            eye.floor()
+        } else {
+            eye.ceil() - 1.0
+        };
+        let fraction = if sign > 0 {
+            eye - base
+        } else {
+            base + 1.0 - eye
+        };
+        let base = base as i32;
+        let ends = if sign > 0 {
+            [-base, cells - 1 - base]
+        } else {
+            [base - cells + 1, base]
+        };
+        Self {
+            sign,
+            base,
+            fraction: fraction as f32,
+            cells: ends,
+        }
+    }
+
+    /// The mirrored cell at a distance from the eye, of those that there are.
+    #[inline(always)]
+    pub(super) fn cell<L: Lanes>(&self, l: L, along: L::F) -> L::I {
+        let cell = l.to_int(l.add(along, l.splat(self.fraction)));
+        let cell = l.min_i(cell, l.splat_i(self.cells[1]));
+        // Rays do not run backwards: only those from off the ground can round to before it.
+        if self.cells[0] > 0 {
+            l.max_i(cell, l.splat_i(self.cells[0]))
+        } else {
+            cell
+        }
+    }
+
+    /// The ground's cell that is a mirrored one.
+    #[inline(always)]
+    fn ground<L: Lanes>(&self, l: L, cell: L::I) -> L::I {
+        let base = l.splat_i(self.base);
+        if self.sign > 0 {
+            l.add_i(base, cell)
+        } else {
+            l.sub_i(base, cell)
+        }
+    }
+
+    /// The distance of a mirrored grid line from the eye, in cells.
+    pub(super) fn line(&self, line: i32) -> f32 {
+        // To the last bit what the kernels find for the line behind a cell.
+        (line - 1) as f32 + (1.0 - self.fraction)
+    }
+}
+
+/// The ground as the rays of one sector meet it.
+pub(super) struct Field<'a> {
+    pub(super) tiles: &'a Tiles<'a>,
+    /// The axis along which rays advance by 1 cell for each 1 of their parameter, and the other.
+    pub(super) major: Axis,
+    pub(super) minor: Axis,
+    /// Which of the ground's axes the major one is.
+    pub(super) major_axis: usize,
+    pub(super) eye_height: f32,
+    pub(super) highest: f32,
+    pub(super) code_base: f32,
+    pub(super) code_step: f32,
+}
+
+impl<'a> Field<'a> {
+    /// The axes x and y.
+    #[inline(always)]
+    pub(super) fn x_y(&self) -> [&Axis; 2] {
+        if self.major_axis == 0 {
+            [&self.major, &self.minor]
+        } else {
+            [&self.minor, &self.major]
+        }
+    }
+
+    /// The mirrored cell in which rays are at t.
+    #[inline(always)]
+    pub(super) fn cell_at<L: Lanes>(&self, l: L, t: L::F, advance: L::F) -> [L::I; 2] {
+        [self.major.cell(l, t), self.minor.cell(l, l.mul(t, advance))]
+    }
+
+    /// The tile of each lane, in the order of the ground's tiles.
+    #[inline(always)]
+    fn tile_numbers<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
+        let shift = l.splat_i(TILE_SHIFT);
+        l.add_i(
+            l.mul_i(l.shr_i(y, shift), l.splat_i(self.tiles.across)),
+            l.shr_i(x, shift),
+        )
+    }
+
+    /// The tiles that lanes read, out of `all`. Lanes not in `mask` read any.
+    #[inline(always)]
+    pub(super) fn sources<T, L: Lanes>(
+        l: L,
+        all: &[&'a [T]],
+        numbers: L::I,
+        mask: L::M,
+    ) -> Sources<'a, T> {
+        let first = l.first_i(numbers, mask);
+        let last = all.len() - 1;
+        let same = l.eq_i(numbers, l.splat_i(first));
+        if l.bits(l.and_not(mask, same)) == 0 {
+            Sources::One(all[(first as u32 as usize).min(last)])
+        } else {
+            let mut lanes = [0; LANES];
+            l.store_i(numbers, &mut lanes);
+            let tiles = lanes.map(|lane| all[(lane as u32 as usize).min(last)]);
+            Sources::Each(tiles)
+        }
+    }
+
+    /// The ground's columns and rows of mirrored cells (major, minor).
+    #[inline(always)]
+    pub(super) fn cells<L: Lanes>(&self, l: L, major: L::I, minor: L::I) -> [L::I; 2] {
+        let (major, minor) = (self.major.ground(l, major), self.minor.ground(l, minor));
+        if self.major_axis == 0 {
+            [major, minor]
+        } else {
+            [minor, major]
+        }
+    }
+
+    /// Where mirrored cells (major, minor) are: the place in the tile, and the tile.
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(&self, l: L, [major, minor]: [L::I; 2]) -> (L::I, L::I) {
+        let within = l.splat_i(TILE_LAST);
+        let [x, y] = self.cells(l, major, minor);
+        let row = l.mul_i(l.and_i(y, within), l.splat_i(self.tiles.stride as i32));
+        (
+            l.add_i(row, l.and_i(x, within)),
+            self.tile_numbers(l, x, y),
+        )
+    }
+
+    /// The tiles of blocks that lanes in the ground's columns `x` and rows `y` read.
+    #[inline(always)]
+    pub(super) fn blocks<L: Lanes>(&self, l: L, mask: L::M, x: L::I, y: L::I) -> Sources<'a, u16> {
+        let numbers = self.tile_numbers(l, x, y);
+        Self::sources(l, &self.tiles.maxima, numbers, mask)
+    }
+}

@@ -1,0 +1,25 @@
+//! One view of the prepared ground.
+
+use super::field::Tiles;
+use super::sectors::{ImageRays, Sector};
+use glam::DVec3;
+use sandtable_terrain::Ground;
+use sandtable_view::View;
+
+/// What all sectors of one view share.
+pub(super) struct Frame<'a> {
+    pub(super) isa: crate::lanes::Isa,
+    pub(super) tiles: Tiles<'a>,
+    pub(super) ground: &'a Ground,
+    pub(super) view: &'a View,
+    pub(super) rays: ImageRays,
+    pub(super) sectors: Vec<Sector>,
+    /// The eye in cells along x and y from the south-west post, and in metres of height.
+    pub(super) eye: DVec3,
+    pub(super) highest: f32,
+    pub(super) steepest: [f32; 2],
+    pub(super) code_base: f32,
+    pub(super) code_step: f32,
+    /// Metres over the ground from which on blocks of cells are skipped.
+    pub(super) near: f32,
+}

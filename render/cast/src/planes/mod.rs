@@ -1,0 +1,175 @@
+//! The default caster: coherence along vertical planes, exact for any eye and window (papers' row
+//! G4).
+
+mod climb;
+mod field;
+mod frame;
+mod maxima;
+mod rows;
+mod sectors;
+mod shade;
+mod walk;
+mod wave;
+
+use self::field::Tiles;
+use self::frame::Frame;
+use self::maxima::{Maxima, steepest};
+use self::rows::{Scratch, cast_sector};
+use self::sectors::{ImageRays, Sector};
+use crate::canvas::Canvas;
+use crate::lanes::{Isa, Kernel, Lanes};
+use crate::options::{CasterOption, Options};
+use crate::tally::Tally;
+use crate::units::UnitCaster;
+use crate::{CastError, Caster, PreparedScene, Scene};
+use glam::DVec3;
+use sandtable_terrain::TileIndex;
+use sandtable_view::View;
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// Casts along vertical planes.
+#[derive(Clone, Copy, Debug)]
+pub struct Planes {
+    isa: Isa,
+}
+
+impl Planes {
+    /// What can be set.
+    pub const OPTIONS: [CasterOption; 1] = [CasterOption {
+        name: "isa",
+        meaning: "the instruction set: best, avx512 or portable",
+    }];
+
+    pub(crate) fn read(options: &Options<'_>) -> Result<Self, CastError> {
+        let all = Isa::all();
+        let mut choices = vec![("best", Isa::best())];
+        choices.extend(all.into_iter().map(|isa| (isa.name(), isa)));
+        Ok(Self {
+            isa: options.choice("isa", &choices)?,
+        })
+    }
+}
+
+impl Caster for Planes {
+    fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
+        Ok(Arc::new(PlanesScene {
+            isa: self.isa,
+            maxima: Maxima::new(&scene.ground),
+            steepest: steepest(&scene.ground),
+            scene,
+        }))
+    }
+}
+
+struct PlanesScene {
+    isa: Isa,
+    scene: Arc<Scene>,
+    maxima: Maxima,
+    steepest: [f32; 2],
+}
+
+/// How many pixels of a step a sector has at most, about.
+const WIDTH: u32 = 512;
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+struct CastSector<'a, T> {
+    frame: &'a Frame<'a>,
+    sector: &'a Sector,
+    scratch: &'a mut Scratch,
+    canvas: &'a Canvas<'a>,
+    tally: &'a mut T,
+}
+
+impl<T: Tally> Kernel for CastSector<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        cast_sector(
+            lanes,
+            self.frame,
+            self.sector,
+            self.scratch,
+            self.canvas,
+            self.tally,
+        );
+    }
+}
+
+impl UnitCaster for PlanesScene {
+    type Frame<'a> = Frame<'a>;
+
+    fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    fn updated(
+        &self,
+        scene: Arc<Scene>,
+        changed: &[TileIndex],
+    ) -> Result<Arc<dyn PreparedScene>, CastError> {
+        Ok(Arc::new(Self {
+            isa: self.isa,
+            maxima: self.maxima.updated(&scene.ground, changed),
+            steepest: steepest(&scene.ground),
+            scene,
+        }))
+    }
+
+    fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
+        let ground = &*self.scene.ground;
+        let grid = ground.grid();
+        let heights = ground.heights();
+        let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
+        let rays = ImageRays::new(
+            view.ray(0, 0),
+            view.ray(1, 0),
+            view.ray(0, 1),
+            per_metre,
+            view.size,
+        );
+        Ok(Frame {
+            isa: self.isa,
+            tiles: Tiles {
+                heights: heights
+                    .tile_indices()
+                    .map(|tile| heights.tile_posts(tile))
+                    .collect(),
+                maxima: self.maxima.tiles().collect(),
+                across: heights.tiles_across() as i32,
+                stride: heights.tile_stride() as u32,
+                cells: [grid.cols as i32 - 1, grid.rows as i32 - 1],
+            },
+            ground,
+            view,
+            sectors: rays.sectors(WIDTH),
+            rays,
+            eye: view.eye * per_metre,
+            highest: ground.range()[1],
+            steepest: self.steepest,
+            code_base: self.maxima.base,
+            code_step: self.maxima.step,
+            near: 2.0 * grid.cell_length() as f32,
+        })
+    }
+
+    fn units(frame: &Frame<'_>) -> usize {
+        frame.sectors.len()
+    }
+
+    fn cast_unit<T: Tally>(frame: &Frame<'_>, unit: usize, canvas: &Canvas<'_>, tally: &mut T) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            frame.isa.run(CastSector {
+                frame,
+                sector: &frame.sectors[unit],
+                scratch,
+                canvas,
+                tally,
+            });
+        });
+    }
+}

@@ -1,0 +1,465 @@
+//! Step by step away from the vanishing point of the vertical: one sector's rays.
+
+use super::climb::{climb, level_for};
+use super::field::{Axis, Field};
+use super::frame::Frame;
+use super::maxima::TOP;
+use super::sectors::Sector;
+use super::shade::{Pixels, Shader};
+use super::walk::{Passage, walk};
+use super::wave::{Ray, Wave};
+use crate::canvas::Canvas;
+use crate::lanes::{LANES, Lanes};
+use crate::tally::Tally;
+use glam::DVec3;
+
+/// How many steps back the ray may lie from which one begins.
+const MEMORY: usize = 8;
+
+/// What a thread needs to cast a sector, kept from one sector to the next.
+#[derive(Default)]
+pub(super) struct Scratch {
+    /// For the last steps, how far each lane's ray came: to its hit, or (negative) to where it left
+    /// the ground; while it is on its way, how far it is clear.
+    reached: Vec<f32>,
+    lanes: [[i32; 2]; MEMORY],
+    /// The rays of these steps, for their colours.
+    advance: Vec<f32>,
+    slope: Vec<f32>,
+    /// Rays that go from cell to cell, and those that skip blocks.
+    low: Wave,
+    high: Wave,
+    passage: Passage,
+}
+
+/// Rays that may stay on their way while the next step begins.
+const UNFINISHED: usize = 3 * LANES;
+
+/// Room before lane 0, so that neighbours of a step's first rays can be read.
+const MARGIN: usize = 2 * LANES;
+
+fn group(numbers: &[f32], at: usize) -> &[f32; LANES] {
+    numbers[at..].first_chunk().expect("room was made")
+}
+
+fn group_mut(numbers: &mut [f32], at: usize) -> &mut [f32; LANES] {
+    numbers[at..].first_chunk_mut().expect("room was made")
+}
+
+/// The part of a group of which `count` lanes are pixels.
+fn first_lanes(count: i32) -> u16 {
+    if count >= LANES as i32 {
+        u16::MAX
+    } else {
+        (1 << count) - 1
+    }
+}
+
+/// The rays of a sector: directions as an affine function of step and lane. Components are cells
+/// along the major and the minor axis, both in the direction in which rays run, and metres up.
+pub(super) struct Directions {
+    first: DVec3,
+    step: DVec3,
+    pub(super) lane: DVec3,
+}
+
+impl Directions {
+    fn new(frame: &Frame<'_>, sector: &Sector) -> Self {
+        let turned = |v: DVec3| {
+            let (major, minor) = if sector.major == 0 {
+                (v.x, v.y)
+            } else {
+                (v.y, v.x)
+            };
+            DVec3::new(
+                major * f64::from(sector.signs[0]),
+                minor * f64::from(sector.signs[1]),
+                v.z,
+            )
+        };
+        let rays = &frame.rays;
+        let step = turned(rays.steps[sector.step_axis]);
+        Self {
+            first: turned(rays.first) + f64::from(sector.first_step) * step,
+            step: f64::from(sector.direction) * step,
+            lane: turned(rays.steps[1 - sector.step_axis]),
+        }
+    }
+
+    pub(super) fn at(&self, step: u32, lane: i32) -> DVec3 {
+        self.first + f64::from(step) * self.step + f64::from(lane) * self.lane
+    }
+}
+
+/// From which ray each of a group begins.
+#[derive(Clone, Copy)]
+struct Predecessor {
+    /// Steps back.
+    steps: usize,
+    /// Lanes aside.
+    lanes: i32,
+    /// By how many metres for each 1 of t the group's rays are higher, about.
+    rise: f64,
+}
+
+/// All that one sector's cast knows.
+struct March<'a, L: Lanes> {
+    l: L,
+    sector: &'a Sector,
+    frame: &'a Frame<'a>,
+    /// Numbers a step in the scratch.
+    room: usize,
+    field: Field<'a>,
+    directions: Directions,
+    /// The vanishing point of the vertical in steps and lanes of the sector.
+    vertical: [f64; 3],
+    /// Metres a cell, along the minor axis, that the ground is steep at most.
+    steepest: f64,
+    /// Where the ground begins and ends, in cells from the eye along major and minor axis.
+    bounds: [[f32; 2]; 2],
+}
+
+/// Casts a sector's pixels.
+#[inline(always)]
+pub(super) fn cast_sector<L: Lanes, T: Tally>(
+    l: L,
+    frame: &Frame<'_>,
+    sector: &Sector,
+    scratch: &mut Scratch,
+    canvas: &Canvas<'_>,
+    tally: &mut T,
+) {
+    let width = frame.rays.size[1 - sector.step_axis] as usize;
+    let room = width + 2 * MARGIN + LANES;
+    let march = March::new(l, frame, sector, room);
+    scratch.lanes = [[0, 0]; MEMORY];
+    for numbers in [
+        &mut scratch.reached,
+        &mut scratch.advance,
+        &mut scratch.slope,
+    ] {
+        numbers.resize(numbers.len().max(room * MEMORY), 0.0);
+    }
+    scratch.low.make_room(2 * width + 8 * LANES);
+    scratch.high.make_room(2 * width + 8 * LANES);
+    scratch.passage.make_room(2 * width + 8 * LANES);
+    let shader = Shader::new(frame, sector, &march.field);
+    let mut shaded = 0;
+    for step in 0..sector.steps {
+        // The step whose place this one takes must be done.
+        if step as usize >= MEMORY && shaded + MEMORY as u32 <= step {
+            march.go_on(scratch, 0, tally);
+            shaded = march.shade(&shader, canvas, scratch, shaded, step);
+        }
+        let lanes = sector.lanes(step);
+        scratch.lanes[step as usize % MEMORY] = lanes;
+        if lanes[0] < lanes[1] {
+            l.vectorize(
+                #[inline(always)]
+                || march.set_out(step, lanes, scratch, tally),
+            );
+            march.go_on(scratch, UNFINISHED, tally);
+        }
+        let first_open = march.first_open(step, scratch);
+        shaded = march.shade(&shader, canvas, scratch, shaded, first_open);
+    }
+    march.go_on(scratch, 0, tally);
+    march.shade(&shader, canvas, scratch, shaded, sector.steps);
+}
+
+impl<'a, L: Lanes> March<'a, L> {
+    fn new(l: L, frame: &'a Frame<'a>, sector: &'a Sector, room: usize) -> Self {
+        let eye = [frame.eye.x, frame.eye.y];
+        let axis = |number: usize, sign| Axis::new(eye[number], frame.tiles.cells[number], sign);
+        let major = axis(sector.major, sector.signs[0]);
+        let minor = axis(1 - sector.major, sector.signs[1]);
+        let bounds = [major, minor].map(|axis| {
+            [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]
+        });
+        let [x, y, w] = frame.rays.vertical();
+        let (across, along) = if sector.step_axis == 0 { (y, x) } else { (x, y) };
+        // Steps count from the first one on, in the sector's direction.
+        let direction = f64::from(sector.direction);
+        let vertical = [
+            direction * (along - f64::from(sector.first_step) * w),
+            across,
+            w,
+        ];
+        Self {
+            l,
+            sector,
+            frame,
+            room,
+            field: Field {
+                tiles: &frame.tiles,
+                major,
+                minor,
+                major_axis: sector.major,
+                eye_height: frame.eye.z as f32,
+                highest: frame.highest,
+                code_base: frame.code_base,
+                code_step: frame.code_step,
+            },
+            directions: Directions::new(frame, sector),
+            vertical,
+            steepest: f64::from(frame.steepest[1 - sector.major]),
+            bounds,
+        }
+    }
+
+    /// The nearest ray before a group's from which it may begin: one so much lower that ground
+    /// that is not steeper than `steepest` cannot come between them. What that ray passed over is
+    /// passed over by the group's rays then.
+    #[inline(always)]
+    fn predecessor(&self, step: u32, first: i32, last: i32) -> Option<Predecessor> {
+        let ends = [first, last].map(|lane| self.directions.at(step, lane));
+        let middle = 0.5 * f64::from(first + last);
+        let [along, across, w] = self.vertical;
+        // Towards the vanishing point: steps back, and lanes aside.
+        let back = f64::from(step) * w - along;
+        let aside = across - middle * w;
+        let slope = aside / back.abs();
+        let Directions { step: u, lane: v, .. } = self.directions;
+        for steps in 1..=MEMORY.min(step as usize) - usize::from(MEMORY <= step as usize) {
+            let lanes = (slope * steps as f64).round();
+            let to = lanes * v - steps as f64 * u;
+            let mut rise = f64::INFINITY;
+            let mut sound = true;
+            for end in ends {
+                let higher = end.z * to.x - to.z * end.x;
+                let aside = end.y * to.x - to.y * end.x;
+                // Rays that enter the ground from its side must do so no earlier.
+                let enters_later = self.bounds[1][0] <= 0.0 || aside <= 0.0;
+                sound &= higher >= 1.001 * self.steepest * aside.abs() && enters_later && end.x + to.x > 0.0;
+                rise = rise.min(higher / (end.x * (end.x + to.x)));
+            }
+            if sound {
+                return Some(Predecessor {
+                    steps,
+                    lanes: lanes as i32,
+                    rise,
+                });
+            }
+        }
+        None
+    }
+
+    /// Where a step's numbers begin in the scratch; lane 0 comes `MARGIN` later.
+    fn slot(&self, step: u32) -> usize {
+        step as usize % MEMORY * self.room
+    }
+
+    /// The first step of which rays are still on their way, or the one behind `step`.
+    fn first_open(&self, step: u32, scratch: &Scratch) -> u32 {
+        let open = scratch.low.ids().iter().chain(scratch.high.ids());
+        let steps_back = open.map(|&id| {
+            let slot = id as usize / self.room;
+            (step as usize + MEMORY - slot) % MEMORY
+        });
+        steps_back.max().map_or(step + 1, |back| step - back as u32)
+    }
+
+    /// Colours steps from `from` to before `to`.
+    #[inline(always)]
+    fn shade(
+        &self,
+        shader: &Shader<'_>,
+        canvas: &Canvas<'_>,
+        scratch: &Scratch,
+        from: u32,
+        to: u32,
+    ) -> u32 {
+        let l = self.l;
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for step in from..to {
+                    let lanes = scratch.lanes[step as usize % MEMORY];
+                    for first in (lanes[0]..lanes[1]).step_by(LANES) {
+                        let at = self.slot(step) + MARGIN + first as usize;
+                        let pixels = Pixels {
+                            step,
+                            first,
+                            bits: first_lanes(lanes[1] - first),
+                            directions: &self.directions,
+                        };
+                        shader.shade(
+                            l,
+                            canvas,
+                            &pixels,
+                            l.load(group(&scratch.reached, at)),
+                            l.load(group(&scratch.advance, at)),
+                            l.load(group(&scratch.slope, at)),
+                        );
+                    }
+                }
+            },
+        );
+        to.max(from)
+    }
+
+    /// Leads rays on until no more than `unfinished` of them are on their way low, and as many
+    /// high.
+    fn go_on<T: Tally>(&self, scratch: &mut Scratch, unfinished: usize, tally: &mut T) {
+        let l = self.l;
+        loop {
+            let (low, high) = (scratch.low.len(), scratch.high.len());
+            if low <= unfinished && high <= unfinished {
+                break;
+            }
+            if high > unfinished && high > low {
+                l.vectorize(
+                    #[inline(always)]
+                    || {
+                        climb(
+                            l,
+                            &self.field,
+                            &mut scratch.high,
+                            &mut scratch.low,
+                            self.frame.near,
+                        );
+                    },
+                );
+            } else {
+                walk(
+                    l,
+                    &self.field,
+                    &mut scratch.low,
+                    &mut scratch.high,
+                    &mut scratch.passage,
+                    &mut scratch.reached,
+                    self.frame.near,
+                );
+            }
+            tally.cell();
+        }
+        if unfinished > 0 {
+            l.vectorize(
+                #[inline(always)]
+                || {
+                    for wave in [&scratch.low, &scratch.high] {
+                        for at in (0..wave.len()).step_by(LANES) {
+                            let mask = l.mask(wave.mask(at));
+                            let ray = wave.ray(l, at);
+                            l.scatter(mask, ray.id, wave.t(l, at), &mut scratch.reached);
+                        }
+                    }
+                },
+            );
+        }
+    }
+
+    /// Sets up the rays of a step and finds where they begin; parks those that begin high.
+    #[inline(always)]
+    fn set_out<T: Tally>(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
+        let l = self.l;
+        let zero = l.splat(0.0);
+        let one = l.splat(1.0);
+        let iota = l.load(&std::array::from_fn(|k| k as f32));
+        let lane_numbers = l.load_i(&std::array::from_fn(|k| k as i32));
+        let v = self.directions.lane;
+        let v_major = l.mul(l.splat(v.x as f32), iota);
+        let v_minor = l.mul(l.splat(v.y as f32), iota);
+        let v_up = l.mul(l.splat(v.z as f32), iota);
+        let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
+        let eye = self.field.eye_height;
+        let above = eye > self.field.highest;
+        let top = self.field.highest - eye;
+        let near_limit = l.splat(self.frame.near);
+        let inverse_near = l.splat(1.0 / self.frame.near);
+        let highest_level = l.splat_i(TOP as i32);
+        let slot = self.slot(step);
+        let (mut low_end, mut high_end) = (scratch.low.len(), scratch.high.len());
+        for first in (lanes[0]..lanes[1]).step_by(LANES) {
+            let at = slot + MARGIN + first as usize;
+            let count = (lanes[1] - first).min(LANES as i32);
+            let all = l.mask(first_lanes(count));
+            let d = self.directions.at(step, first);
+            let major = l.max(l.add(l.splat(d.x as f32), v_major), l.splat(1e-6));
+            let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
+            let up = l.add(l.splat(d.z as f32), v_up);
+            let scale = l.div(one, major);
+            let advance = l.mul(minor, scale);
+            let slope = l.mul(up, scale);
+            let inverse = l.div(one, advance);
+            let mut leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
+            let mut ok = l.and(all, l.lt(zero, leave));
+            if above {
+                ok = l.and(ok, l.lt(slope, zero));
+            } else if l.bits(l.lt(zero, slope)) != 0 {
+                let over = l.div(l.splat(top), slope);
+                leave = l.select(l.lt(zero, slope), l.min(leave, over), leave);
+            }
+            let mut enter = l.splat(major_begin.max(0.0));
+            if minor_begin > 0.0 {
+                enter = l.max(enter, l.mul(l.splat(minor_begin), inverse));
+            }
+            ok = l.and(ok, l.lt(enter, leave));
+            l.store(advance, group_mut(&mut scratch.advance, at));
+            l.store(slope, group_mut(&mut scratch.slope, at));
+            // Until something is found: the ray has left the ground.
+            l.store(l.sub(zero, leave), group_mut(&mut scratch.reached, at));
+            let ray = Ray {
+                advance,
+                inverse,
+                slope,
+                leave,
+                id: l.add_i(lane_numbers, l.splat_i(at as i32)),
+            };
+            let mut fresh = ok;
+            if let Some(before) = self.predecessor(step, first, first + count - 1) {
+                let before_step = step - before.steps as u32;
+                let lanes = scratch.lanes[before_step as usize % MEMORY];
+                // Those whose predecessors are the sector's.
+                let from = (lanes[0] - before.lanes - first).clamp(0, LANES as i32);
+                let to = (lanes[1] - before.lanes - first).clamp(from, LANES as i32);
+                let known = l.mask(first_lanes(to) & !first_lanes(from));
+                let before_at = (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
+                let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
+                let start = l.max(start, enter);
+                let known = l.and(known, ok);
+                fresh = l.and_not(ok, known);
+                let known = l.and(known, l.lt(start, leave));
+                let cell = self.field.cell_at(l, start, advance);
+                let over = l.mul(start, l.splat(before.rise as f32));
+                let high = l.and(known, l.lt(near_limit, over));
+                let low = l.and_not(known, high);
+                low_end = scratch.low.put(l, low_end, low, &ray, start, cell);
+                if l.bits(high) != 0 {
+                    let level = level_for(l, l.mul(over, inverse_near));
+                    high_end = scratch
+                        .high
+                        .put_at_level(l, high_end, high, &ray, start, cell, level);
+                }
+            }
+            if l.bits(fresh) != 0 {
+                let mut start = enter;
+                if above {
+                    start = l.max(start, l.div(l.splat(top), slope));
+                }
+                let fresh = l.and(fresh, l.lt(start, leave));
+                let cell = self.field.cell_at(l, start, advance);
+                high_end = scratch.high.put_at_level(
+                    l,
+                    high_end,
+                    fresh,
+                    &ray,
+                    start,
+                    cell,
+                    highest_level,
+                );
+            }
+            for _ in 0..count {
+                tally.ray();
+            }
+        }
+        scratch.low.truncate(low_end);
+        scratch.high.truncate(high_end);
+    }
+}

@@ -1,0 +1,273 @@
+//! How an image is shared out: parts in which coherence runs in one direction over image and
+//! ground.
+
+use glam::DVec3;
+use sandtable_view::Ray;
+
+/// a + b·i + c·j of a pixel (i, j): a half-plane of the image where it is not negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line {
+    pub(super) at_origin: f64,
+    pub(super) along: [f64; 2],
+}
+
+impl Line {
+    fn at(&self, [i, j]: [f64; 2]) -> f64 {
+        self.at_origin + self.along[0] * i + self.along[1] * j
+    }
+}
+
+/// One side of a line through the vanishing point of the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    line: Line,
+    /// Whether the side is that where the line's value is not negative.
+    positive: bool,
+}
+
+/// A part of the image: pixels of a range of rows (or of columns), and in each of these a range.
+///
+/// Its pixels' vertical planes meet the image along one of its axes more than along the other, the
+/// ground along one of its axes more than along the other, and the sector's edges lie in vertical
+/// planes: so what lies before a pixel lies in its sector, but for rounding.
+#[derive(Clone, Debug)]
+pub(super) struct Sector {
+    /// The image's axis along which planes run: 0 where steps are columns, 1 where they are rows.
+    pub(super) step_axis: usize,
+    /// The first step's column or row, and +1 or −1 towards the next.
+    pub(super) first_step: i32,
+    pub(super) direction: i32,
+    pub(super) steps: u32,
+    /// The ground's axis along which rays advance more: 0 for x, 1 for y.
+    pub(super) major: usize,
+    /// The signs of rays' advance along the major and the minor axis.
+    pub(super) signs: [i32; 2],
+    sides: Vec<Side>,
+    /// The image's extent across the steps.
+    width: i32,
+}
+
+impl Sector {
+    /// The pixels of step `k`, from the first to behind the last, along the image's other axis.
+    pub(super) fn lanes(&self, k: u32) -> [i32; 2] {
+        let step = f64::from(self.first_step + self.direction * k as i32);
+        let lane_axis = 1 - self.step_axis;
+        let (mut from, mut to) = (0, self.width);
+        for side in &self.sides {
+            let slope = side.line.along[lane_axis];
+            let value = side.line.at_origin + side.line.along[self.step_axis] * step;
+            if slope == 0.0 {
+                if (value >= 0.0) != side.positive {
+                    return [0, 0];
+                }
+                continue;
+            }
+            // Both sides of a line divide at the same pixel, whatever rounding does to it.
+            let at = (-value / slope).ceil();
+            let at = at.clamp(0.0, f64::from(self.width)) as i32;
+            if (slope > 0.0) == side.positive {
+                from = from.max(at);
+            } else {
+                to = to.min(at);
+            }
+        }
+        [from, to.max(from)]
+    }
+}
+
+/// A convex part of the image, while it is being divided.
+#[derive(Clone)]
+struct Part {
+    corners: Vec<[f64; 2]>,
+    /// The sides that cut it, and on which side of each line so far it lies.
+    sides: Vec<Side>,
+    signs: Vec<bool>,
+}
+
+impl Part {
+    /// The part on one side of a line, or `None` where no pixel can be there. One pixel more is
+    /// kept, so that rounding loses none.
+    fn on(&self, side: Side) -> Option<Self> {
+        let sign = if side.positive { 1.0 } else { -1.0 };
+        let slack = side.line.along[0].abs() + side.line.along[1].abs();
+        let value = |corner: [f64; 2]| sign * side.line.at(corner) + slack;
+        let mut corners = Vec::with_capacity(self.corners.len() + 1);
+        for (k, &from) in self.corners.iter().enumerate() {
+            let to = self.corners[(k + 1) % self.corners.len()];
+            let (a, b) = (value(from), value(to));
+            if a >= 0.0 {
+                corners.push(from);
+            }
+            if (a >= 0.0) != (b >= 0.0) {
+                let share = a / (a - b);
+                corners.push([0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis])));
+            }
+        }
+        let mut part = Self {
+            corners,
+            sides: self.sides.clone(),
+            signs: self.signs.clone(),
+        };
+        part.signs.push(side.positive);
+        if self.corners.iter().any(|&corner| value(corner) < 2.0 * slack) {
+            part.sides.push(side);
+        }
+        (!part.corners.is_empty()).then_some(part)
+    }
+
+    fn range(&self, axis: usize) -> [f64; 2] {
+        self.corners.iter().fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[low, high], corner| [low.min(corner[axis]), high.max(corner[axis])],
+        )
+    }
+}
+
+/// What divides an image: its rays in units of cells, and its size.
+pub(super) struct ImageRays {
+    /// The direction through the centre of pixel (0, 0), and its change a column and a row.
+    pub(super) first: DVec3,
+    pub(super) steps: [DVec3; 2],
+    pub(super) size: [u32; 2],
+}
+
+impl ImageRays {
+    /// From the rays of two neighbours of the first pixel, with a cell's sides as units.
+    pub(super) fn new(first: Ray, right: Ray, below: Ray, per_metre: DVec3, size: [u32; 2]) -> Self {
+        let first_direction = first.direction * per_metre;
+        Self {
+            first: first_direction,
+            steps: [right, below].map(|ray| (ray.direction - first.direction) * per_metre),
+            size,
+        }
+    }
+
+    /// The line on which a combination of the direction's x and y vanishes.
+    fn line(&self, x: f64, y: f64) -> Line {
+        let value = |v: DVec3| x * v.x + y * v.y;
+        Line {
+            at_origin: value(self.first),
+            along: self.steps.map(value),
+        }
+    }
+
+    /// The vanishing point of the vertical, homogeneous in pixels, so that a pixel's predecessor
+    /// lies towards (x − i·w, y − j·w).
+    pub(super) fn vertical(&self) -> [f64; 3] {
+        let (u, v, d) = (self.steps[0], self.steps[1], self.first);
+        let point = [
+            v.x * d.y - v.y * d.x,
+            d.x * u.y - d.y * u.x,
+            u.x * v.y - u.y * v.x,
+        ];
+        // Where it is the nadir rays come from it, where it is the zenith they go to it.
+        let down = u.z * point[0] + v.z * point[1] + d.z * point[2];
+        let sign = if down > 0.0 { -1.0 } else { 1.0 };
+        point.map(|x| sign * x)
+    }
+
+    /// The image's sectors, none with more than about `width` pixels in a step.
+    pub(super) fn sectors(&self, width: u32) -> Vec<Sector> {
+        let [w, h] = self.size.map(f64::from);
+        let whole = Part {
+            corners: vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]],
+            sides: Vec::new(),
+            signs: Vec::new(),
+        };
+        let [px, py, pw] = self.vertical();
+        // Towards the predecessor, as lines over the image.
+        let toward = [
+            Line {
+                at_origin: px,
+                along: [-pw, 0.0],
+            },
+            Line {
+                at_origin: py,
+                along: [0.0, -pw],
+            },
+        ];
+        let combined = |a: f64, b: f64| Line {
+            at_origin: a * toward[0].at_origin + b * toward[1].at_origin,
+            along: [0, 1].map(|k| a * toward[0].along[k] + b * toward[1].along[k]),
+        };
+        // Six lines through the vanishing point; each pixel is on one side of each.
+        let lines = [
+            combined(1.0, -1.0),
+            combined(1.0, 1.0),
+            self.line(1.0, 0.0),
+            self.line(0.0, 1.0),
+            self.line(1.0, -1.0),
+            self.line(1.0, 1.0),
+        ];
+        let mut parts = vec![whole];
+        for line in lines {
+            let split = |part: &Part| {
+                [true, false].map(|positive| part.on(Side { line, positive }))
+            };
+            parts = parts.iter().flat_map(split).flatten().collect();
+        }
+        let mut sectors = Vec::new();
+        for part in parts {
+            let positive = |k: usize| part.signs[k];
+            let step_axis = usize::from(positive(0) != positive(1));
+            let backwards = if step_axis == 0 { positive(0) } else { positive(1) };
+            let direction = if backwards { -1 } else { 1 };
+            let major = usize::from(positive(4) != positive(5));
+            let axis_signs = [positive(2), positive(3)].map(|p| if p { 1 } else { -1 });
+            let major_sign = if positive(5) { 1 } else { -1 };
+            let signs = [major_sign, axis_signs[1 - major]];
+            for part in self.strips(part, step_axis, [px, py, pw], width) {
+                let [low, high] = part.range(step_axis);
+                let last = self.size[step_axis] as i32 - 1;
+                let low = (low.floor() as i32 - 1).clamp(0, last);
+                let high = (high.ceil() as i32 + 1).clamp(0, last);
+                sectors.push(Sector {
+                    step_axis,
+                    first_step: if direction > 0 { low } else { high },
+                    direction,
+                    steps: (high - low + 1) as u32,
+                    major,
+                    signs,
+                    sides: part.sides.clone(),
+                    width: self.size[1 - step_axis] as i32,
+                });
+            }
+        }
+        sectors
+    }
+
+    /// A part cut along vertical planes into strips of about `width` pixels where it is widest.
+    fn strips(&self, part: Part, step_axis: usize, point: [f64; 3], width: u32) -> Vec<Part> {
+        let lane_axis = 1 - step_axis;
+        let [from, to] = part.range(lane_axis);
+        let count = ((to - from) / f64::from(width)).ceil().max(1.0) as u32;
+        let mut parts = Vec::new();
+        let mut rest = part;
+        // Strips are cut at even distances along the middle step; each cut is a vertical plane.
+        let [low, high] = rest.range(step_axis);
+        for k in 1..count {
+            let mut through = [0.0; 2];
+            through[lane_axis] = from + (to - from) * f64::from(k) / f64::from(count);
+            through[step_axis] = 0.5 * (low + high);
+            let [x, y] = [0, 1].map(|axis| point[axis] - through[axis] * point[2]);
+            // The cross product of a pixel's offset and the direction of the plane's line.
+            let line = Line {
+                at_origin: through[1] * x - through[0] * y,
+                along: [y, -x],
+            };
+            let sides = [true, false].map(|positive| rest.on(Side { line, positive }));
+            let mut ordered: Vec<_> = sides.into_iter().flatten().collect();
+            if ordered.len() < 2 {
+                continue;
+            }
+            // The lower side is done; the upper one is cut further.
+            if ordered[0].range(lane_axis)[0] < ordered[1].range(lane_axis)[0] {
+                ordered.swap(0, 1);
+            }
+            parts.push(ordered.remove(1));
+            rest = ordered.remove(0);
+        }
+        parts.push(rest);
+        parts
+    }
+}

@@ -1,0 +1,207 @@
+//! Cell by cell: the exact meeting of rays with the ground's bilinear surface.
+
+use super::climb::level_for;
+use super::field::Field;
+use super::wave::{Column, Wave};
+use crate::lanes::{LANES, Lanes, Sources};
+
+/// What one cell's passage needs between its loops.
+#[derive(Default)]
+pub(super) struct Passage {
+    /// The place of each ray's cell in its tile.
+    at: Column<i32>,
+    /// The tile of each group, and of each ray.
+    tile: Vec<i32>,
+    tiles: Column<i32>,
+    posts: [Column<f32>; 4],
+}
+
+impl Passage {
+    pub(super) fn make_room(&mut self, rays: usize) {
+        let rays = rays + 2 * LANES;
+        self.at.make_room(rays);
+        self.tiles.make_room(rays);
+        for posts in &mut self.posts {
+            posts.make_room(rays);
+        }
+        self.tile.resize(self.tile.len().max(rays / LANES + 1), 0);
+    }
+}
+
+/// A cell's corners: nearest, one further along the major axis, along the minor axis, along both.
+#[inline(always)]
+fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4] {
+    let [x, y] = field.x_y();
+    let [sw, se, nw, ne] = if x.sign > 0 {
+        [sw, se, nw, ne]
+    } else {
+        [se, sw, ne, nw]
+    };
+    let [near, x, y, both] = if y.sign > 0 {
+        [sw, se, nw, ne]
+    } else {
+        [nw, ne, sw, se]
+    };
+    if field.major_axis == 0 {
+        [near, x, y, both]
+    } else {
+        [near, y, x, both]
+    }
+}
+
+/// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
+/// `reached`; those that leave the ground are dropped; those that end more than `near` metres over
+/// it go to `high`.
+///
+/// Three loops, as each has so little between one group's begin and end that the processor works
+/// on several groups at once.
+#[inline(always)]
+pub(super) fn walk<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    wave: &mut Wave,
+    high: &mut Wave,
+    passage: &mut Passage,
+    reached: &mut [f32],
+    near: f32,
+) {
+    let rays = wave.len();
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in (0..rays).step_by(LANES) {
+                let (place, number) = field.place(l, wave.cell(l, at));
+                l.store_i(place, passage.at.group_mut(at));
+                l.store_i(number, passage.tiles.group_mut(at));
+                let first = l.first_i(number, l.mask(u16::MAX));
+                let same = l.bits(l.eq_i(number, l.splat_i(first)));
+                let mask = wave.mask(at);
+                passage.tile[at / LANES] = if same & mask == mask { first } else { -1 };
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in (0..rays).step_by(LANES) {
+                let tile = passage.tile[at / LANES];
+                let tiles = if tile >= 0 {
+                    Sources::One(field.tiles.heights[tile as usize])
+                } else {
+                    each_tile(&field.tiles.heights, passage.tiles.group(at))
+                };
+                let posts = l.cells(
+                    &tiles,
+                    l.load_i(passage.at.group(at)),
+                    field.tiles.stride,
+                );
+                for (to, posts) in passage.posts.iter_mut().zip(posts) {
+                    l.store(posts, to.group_mut(at));
+                }
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || pass(l, field, wave, high, passage, reached, near),
+    );
+}
+
+/// The tiles of sixteen numbers.
+pub(super) fn each_tile<'a, T>(all: &[&'a [T]], numbers: &[i32; LANES]) -> Sources<'a, T> {
+    let last = all.len() - 1;
+    Sources::Each(numbers.map(|number| all[(number as u32 as usize).min(last)]))
+}
+
+#[inline(always)]
+fn pass<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    wave: &mut Wave,
+    high: &mut Wave,
+    passage: &Passage,
+    reached: &mut [f32],
+    near: f32,
+) {
+    let (zero, one) = (l.splat(0.0), l.splat(1.0));
+    let one_cell = l.splat_i(1);
+    let major_line = l.splat(1.0 - field.major.fraction);
+    let minor_line = l.splat(1.0 - field.minor.fraction);
+    let eye = l.splat(field.eye_height);
+    let near_limit = l.splat(near);
+    let inverse_near = l.splat(1.0 / near);
+    let rays = wave.len();
+    let (mut kept, mut risen) = (0, high.len());
+    for at in (0..rays).step_by(LANES) {
+        let mask = l.mask(wave.mask(at));
+        let ray = wave.ray(l, at);
+        let t = wave.t(l, at);
+        let [major, minor] = wave.cell(l, at);
+        let [sw, se, nw, ne] = &passage.posts;
+        let posts = [sw, se, nw, ne].map(|posts| posts.group(at));
+        let [near, far_major, far_minor, both] = corners::<L>(
+            field,
+            [
+                l.load(posts[0]),
+                l.load(posts[1]),
+                l.load(posts[2]),
+                l.load(posts[3]),
+            ],
+        );
+        // Where the lines behind the cell lie.
+        let to_major = l.add(l.to_float(major), major_line);
+        let to_minor = l.add(l.to_float(minor), minor_line);
+        // The clearance at t.
+        let major_left = l.sub(to_major, t);
+        let minor_left = l.sub(to_minor, l.mul(t, ray.advance));
+        let far = l.add(both, l.mul(major_left, l.sub(far_minor, both)));
+        let this = l.add(far_major, l.mul(major_left, l.sub(near, far_major)));
+        let height = l.add(far, l.mul(minor_left, l.sub(this, far)));
+        let clearance = l.sub(l.add(l.mul(t, ray.slope), eye), height);
+        // And at the end of the cell, on its far edge: from the corner that is far along both,
+        // back along the edge.
+        let minor_t = l.mul(to_minor, ray.inverse);
+        let by_major = l.lt(to_major, minor_t);
+        let next = l.max(l.min(to_major, minor_t), t);
+        let left = l.select(
+            by_major,
+            l.sub(to_minor, l.mul(next, ray.advance)),
+            l.sub(to_major, next),
+        );
+        let edge_end = l.select(by_major, far_major, far_minor);
+        let height = l.add(both, l.mul(l.sub(edge_end, both), left));
+        let next_clearance = l.sub(l.add(l.mul(next, ray.slope), eye), height);
+        // Along the cell the clearance is a quadratic; this is its bend over the segment.
+        let twist = l.add(l.sub(near, far_major), l.sub(both, far_minor));
+        let length = l.sub(next, t);
+        let bend = l.mul(l.mul(twist, ray.advance), l.mul(length, length));
+        // Its first root, in the form that neither cancels nor divides by a bend of 0.
+        let start = l.max(clearance, zero);
+        let linear = l.add(l.sub(next_clearance, start), bend);
+        let twice = l.add(start, start);
+        let discriminant = l.add(l.mul(linear, linear), l.mul(l.add(twice, twice), bend));
+        let root = l.sqrt(l.max(discriminant, zero));
+        let divisor = l.sub(root, linear);
+        // Both ends in the air: a root only where the quadratic dips below 0 in between.
+        let dips = l.and(
+            l.and(l.le(zero, discriminant), l.lt(linear, zero)),
+            l.lt(twice, divisor),
+        );
+        let below = l.or(l.le(next_clearance, zero), l.le(clearance, zero));
+        let hit = l.and(mask, l.or(below, dips));
+        let share = l.min(l.div(twice, l.max(divisor, l.splat(1e-30))), one);
+        let hit_t = l.add(t, l.mul(share, length));
+        l.scatter(hit, ray.id, hit_t, reached);
+        let going = l.and_not(l.and(mask, l.lt(next, ray.leave)), hit);
+        let major = l.add_i_where(by_major, major, one_cell);
+        let minor = l.add_i_where(l.and_not(going, by_major), minor, one_cell);
+        let up = l.and(going, l.lt(near_limit, next_clearance));
+        kept = wave.put(l, kept, l.and_not(going, up), &ray, next, [major, minor]);
+        if l.bits(up) != 0 {
+            let level = level_for(l, l.mul(next_clearance, inverse_near));
+            risen = high.put_at_level(l, risen, up, &ray, next, [major, minor], level);
+        }
+    }
+    wave.truncate(kept);
+    high.truncate(risen);
+}
