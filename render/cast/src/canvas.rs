@@ -56,16 +56,25 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Sets pixels one below the other, from (i, j) on: as many as there are depths.
+    /// Sets pixels side by side, from (i, j) on; depths as bits.
+    ///
+    /// # Safety
+    /// As `set_row`.
+    #[allow(unsafe_code, reason = "many pixels a store, where `set` has one")]
     #[inline]
-    pub(crate) fn set_column(&self, [i, j]: [u32; 2], colours: &[i32], depths: &[f32]) {
+    pub(crate) unsafe fn set_group<const N: usize>(
+        &self,
+        [i, j]: [u32; 2],
+        colours: &[i32; N],
+        depths: &[i32; N],
+    ) {
         let from = j as usize * self.width + i as usize;
-        let colour = self.colour[from..].iter().step_by(self.width);
-        let depth = self.depth[from..].iter().step_by(self.width);
-        for ((to, depth_to), (&colour, depth)) in colour.zip(depth).zip(colours.iter().zip(depths))
-        {
-            to.store(colour as u32, Ordering::Relaxed);
-            depth_to.store(depth.to_bits(), Ordering::Relaxed);
+        let colour = &self.colour[from..from + N];
+        let depth = &self.depth[from..from + N];
+        // SAFETY: as in `set_row`.
+        unsafe {
+            AtomicU32::as_ptr(&colour[0]).cast::<[i32; N]>().write_unaligned(*colours);
+            AtomicU32::as_ptr(&depth[0]).cast::<[i32; N]>().write_unaligned(*depths);
         }
     }
 }

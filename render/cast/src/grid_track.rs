@@ -1,5 +1,6 @@
 //! A ray's track over the grid: from grid line to grid line of its major axis, in fixed point.
 
+use bytemuck::Zeroable;
 use crate::intersect::GridRay;
 use crate::tally::Tally;
 use sandtable_terrain::{Pyramid, TiledRaster};
@@ -98,7 +99,7 @@ impl<'a> Sampler<'a> {
 
 /// A raster's value at a point on a grid line.
 #[inline]
-fn on_line<V: Copy + Send + Sync>(
+fn on_line<V: Copy + Send + Sync + Zeroable>(
     raster: &TiledRaster<V>,
     at: OnLine,
     level: u32,
@@ -110,7 +111,7 @@ fn on_line<V: Copy + Send + Sync>(
 /// As [`on_line`], of what `read` makes of each post. A line of the finest level that lies between
 /// two of `level` gets the mean of both.
 #[inline]
-fn on_line_of<V: Copy + Send + Sync, R: Copy>(
+fn on_line_of<V: Copy + Send + Sync + Zeroable, R: Copy>(
     raster: &TiledRaster<V>,
     at: OnLine,
     level: u32,

@@ -38,21 +38,22 @@ pub(crate) fn bilinear_colour(columns: &TiledRaster<[u8; 4]>, x: f64, y: f64) ->
     [r, g, b]
 }
 
-/// The sky's colour along `direction`: pale at the horizon and bluer above. Below the horizon, where
-/// a ray has passed the terrain's edge, haze goes over into a dark that lets the relief stand out
-/// on a table.
+/// The sky's colours: pale at the horizon and bluer above. Below the horizon, where a ray has passed
+/// the terrain's edge, haze goes over into a dark that lets the relief stand out on a table.
+pub(crate) const HORIZON: [f32; 3] = [200.0, 216.0, 232.0];
+pub(crate) const ZENITH: [f32; 3] = [84.0, 138.0, 206.0];
+pub(crate) const DEPTHS: [f32; 3] = [24.0, 28.0, 34.0];
+/// The sine of the angle under the horizon at which the haze ends.
+pub(crate) const HAZE: f32 = 0.35;
+
+/// The sky's colour along `direction`.
 #[inline]
 pub(crate) fn sky(direction: DVec3) -> [u8; 3] {
-    const HORIZON: [f32; 3] = [200.0, 216.0, 232.0];
-    const ZENITH: [f32; 3] = [84.0, 138.0, 206.0];
-    const DEPTHS: [f32; 3] = [24.0, 28.0, 34.0];
-    /// The sine of the angle under the horizon at which the haze ends.
-    const HAZE: f64 = 0.35;
     let up = direction.z / direction.length();
     let (far, share) = if up >= 0.0 {
         (ZENITH, up.sqrt())
     } else {
-        let below = (-up / HAZE).min(1.0);
+        let below = (-up / f64::from(HAZE)).min(1.0);
         (DEPTHS, below * (2.0 - below))
     };
     std::array::from_fn(|k| (HORIZON[k] + (far[k] - HORIZON[k]) * share as f32 + 0.5) as u8)

@@ -44,6 +44,7 @@ mod photo_file;
 mod pyramid;
 mod raster;
 mod reach;
+mod slab;
 mod source;
 mod tiled;
 mod voxel;
@@ -60,6 +61,7 @@ pub use open::{Terrain, open, open_with_progress};
 pub use photo::Photo;
 pub use pyramid::{Pyramid, PyramidLevel};
 pub use raster::{ColourRole, PixelIs, SampleType};
+pub use slab::{Slab, SlabView, Slot};
 pub use source::{MAX_RIDGES_SIZE, SourceError, TerrainSource};
 pub use tiled::{TILE_CELLS, TileIndex, TiledRaster};
 pub use voxel::{

@@ -1,5 +1,7 @@
 //! Rasters cut into square tiles, each complete in itself.
 
+use crate::slab::{Slab, SlabView, Slot};
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -8,22 +10,22 @@ pub const TILE_CELLS: u32 = 1 << TILE_SHIFT;
 const TILE_SHIFT: u32 = 8;
 const TILE_MASK: u32 = TILE_CELLS - 1;
 
-/// One tile's posts, row by row from its south-west corner. Rows are as long in all tiles of a
-/// raster; in the last tile of a side, what lies beyond the raster repeats its last post.
-type Tile<T> = Box<[T]>;
-
 /// A raster of posts in tiles of [`TILE_CELLS`]² cells. Row 0 is south.
 ///
 /// Neighbouring tiles both hold the posts on their common border (papers' row H1: (2ⁿ+1)² blocks),
 /// so that any cell is read from one tile. Tiles are shared between snapshots: a clone copies no
-/// posts.
+/// posts. All of them lie in one piece of memory, in slots of equal length.
+///
+/// A tile's posts are row by row from its south-west corner. Rows are as long in all tiles of a
+/// raster; in the last tile of a side, what lies beyond the raster repeats its last post.
 #[derive(Clone, Debug)]
 pub struct TiledRaster<T> {
     cols: u32,
     rows: u32,
     tiles_across: u32,
     stride: usize,
-    tiles: Vec<Arc<Tile<T>>>,
+    slab: Arc<Slab<T>>,
+    tiles: Vec<Arc<Slot<T>>>,
 }
 
 /// A tile's place: column from the west, row from the south.
@@ -35,7 +37,71 @@ pub struct TileIndex {
     pub row: u32,
 }
 
-impl<T: Copy + Send + Sync> TiledRaster<T> {
+impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
+    /// A raster of zeros, and the slots of its tiles to be filled.
+    fn empty(cols: u32, rows: u32) -> (Self, Vec<Slot<T>>) {
+        assert!(
+            cols >= 2 && rows >= 2,
+            "a raster of {cols} by {rows} posts has no cell"
+        );
+        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
+        let tiles = (tiles_across * (rows - 1).div_ceil(TILE_CELLS)) as usize;
+        let stride = cols.min(TILE_CELLS + 1) as usize;
+        // Some slots more, for edits.
+        let slab = Slab::new(
+            tiles + tiles / 8 + 4,
+            stride * rows.min(TILE_CELLS + 1) as usize,
+        );
+        let slots = (0..tiles).map_while(|_| slab.take()).collect();
+        let raster = Self {
+            cols,
+            rows,
+            tiles_across,
+            stride,
+            slab,
+            tiles: Vec::new(),
+        };
+        (raster, slots)
+    }
+
+    /// Number of rows of posts in a tile.
+    fn height(&self, tile: usize) -> usize {
+        let row0 = tile as u32 / self.tiles_across * TILE_CELLS;
+        self.rows.min(row0 + TILE_CELLS + 1) as usize - row0 as usize
+    }
+
+    /// A tile's posts, to be changed; a copy of them where another snapshot shares the tile.
+    fn posts_mut(&mut self, tile: usize) -> &mut [T] {
+        if Arc::get_mut(&mut self.tiles[tile]).is_none() {
+            let mut slot = self.free_slot();
+            slot.items_mut().copy_from_slice(&self.tiles[tile]);
+            self.tiles[tile] = Arc::new(slot);
+        }
+        let posts = self.height(tile) * self.stride;
+        let slot = Arc::get_mut(&mut self.tiles[tile]).expect("no other snapshot has this tile");
+        &mut slot.items_mut()[..posts]
+    }
+
+    /// A free slot; where there is none, all tiles move to a larger piece of memory first.
+    fn free_slot(&mut self) -> Slot<T> {
+        if let Some(slot) = self.slab.take() {
+            return slot;
+        }
+        self.slab = Slab::new(self.tiles.len() * 5 / 4 + 4, self.slab.slot_len());
+        for tile in &mut self.tiles {
+            let mut slot = self.slab.take().expect("it is larger");
+            slot.items_mut().copy_from_slice(tile);
+            *tile = Arc::new(slot);
+        }
+        self.slab.take().expect("it is larger")
+    }
+
+    /// The memory of all tiles, for reading many posts at a time.
+    #[must_use]
+    pub fn view(&self) -> SlabView<'_, T> {
+        SlabView::new(&self.slab, self.tiles.iter().map(|tile| &**tile))
+    }
+
     /// Builds a raster of `cols` by `rows` posts from a function of column and row, in parallel.
     ///
     /// Posts on tile borders are asked for once by each tile that holds them, so the function must
@@ -44,35 +110,24 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     /// # Panics
     /// Where a side has fewer than 2 posts.
     pub fn from_fn(cols: u32, rows: u32, post: impl Fn(u32, u32) -> T + Sync) -> Self {
-        assert!(
-            cols >= 2 && rows >= 2,
-            "a raster of {cols} by {rows} posts has no cell"
-        );
-        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
-        let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
-        let stride = cols.min(TILE_CELLS + 1) as usize;
-        let tiles = (0..tiles_across * tiles_up)
+        let (mut raster, slots) = Self::empty(cols, rows);
+        let (across, stride) = (raster.tiles_across, raster.stride);
+        raster.tiles = slots
             .into_par_iter()
-            .map(|index| {
-                let (col0, row0) = (
-                    index % tiles_across * TILE_CELLS,
-                    index / tiles_across * TILE_CELLS,
-                );
+            .enumerate()
+            .map(|(tile, mut slot)| {
+                let col0 = tile as u32 % across * TILE_CELLS;
+                let row0 = tile as u32 / across * TILE_CELLS;
                 let row1 = rows.min(row0 + TILE_CELLS + 1);
-                let posts = (row0..row1)
-                    .flat_map(|row| (col0..col0 + stride as u32).map(move |col| (col, row)))
-                    .map(|(col, row)| post(col.min(cols - 1), row))
-                    .collect();
-                Arc::new(posts)
+                for (row, posts) in (row0..row1).zip(slot.items_mut().chunks_exact_mut(stride)) {
+                    for (col, to) in (col0..).zip(posts) {
+                        *to = post(col.min(cols - 1), row);
+                    }
+                }
+                Arc::new(slot)
             })
             .collect();
-        Self {
-            cols,
-            rows,
-            tiles_across,
-            stride,
-            tiles,
-        }
+        raster
     }
 
     /// Builds a raster from rows that come as files store them, the northern first.
@@ -94,16 +149,11 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     where
         T: Default,
     {
-        assert!(
-            cols >= 2 && rows >= 2,
-            "a raster of {cols} by {rows} posts has no cell"
-        );
-        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
+        let (mut raster, mut slots) = Self::empty(cols, rows);
+        let (tiles_across, stride) = (raster.tiles_across, raster.stride);
         let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
         let width = cols as usize;
-        let stride = width.min(TILE_CELLS as usize + 1);
         let mut band = vec![T::default(); width * rows.min(TILE_CELLS + 1) as usize];
-        let mut tiles = Vec::with_capacity((tiles_across * tiles_up) as usize);
         // Rows of tiles from the north; `north` and `south` are post rows, from the south.
         for tile_row in (0..tiles_up).rev() {
             let south = tile_row * TILE_CELLS;
@@ -121,24 +171,20 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
                 &mut band[known * width..height * width],
             )?;
             let band = &band;
-            tiles.par_extend((0..tiles_across).into_par_iter().rev().map(|tile_col| {
-                let west = (tile_col * TILE_CELLS) as usize;
-                let posts = (0..height)
-                    .rev()
-                    .flat_map(|row| (west..west + stride).map(move |col| (col, row)))
-                    .map(|(col, row)| band[row * width + col.min(width - 1)])
-                    .collect();
-                Arc::new(posts)
-            }));
+            let first = (tile_row * tiles_across) as usize;
+            let tiles = &mut slots[first..first + tiles_across as usize];
+            tiles.par_iter_mut().enumerate().for_each(|(tile, slot)| {
+                let west = tile * TILE_CELLS as usize;
+                let rows = slot.items_mut().chunks_exact_mut(stride);
+                for (row, posts) in (0..height).rev().zip(rows) {
+                    for (col, to) in (west..).zip(posts) {
+                        *to = band[row * width + col.min(width - 1)];
+                    }
+                }
+            });
         }
-        tiles.reverse();
-        Ok(Self {
-            cols,
-            rows,
-            tiles_across,
-            stride,
-            tiles,
-        })
+        raster.tiles = slots.into_iter().map(Arc::new).collect();
+        Ok(raster)
     }
 
     /// Number of posts from west to east.
@@ -165,7 +211,8 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     /// All posts of one tile.
     #[must_use]
     pub fn tile_posts(&self, tile: TileIndex) -> &[T] {
-        &self.tiles[(tile.row * self.tiles_across + tile.col) as usize]
+        let tile = (tile.row * self.tiles_across + tile.col) as usize;
+        &self.tiles[tile][..self.height(tile) * self.stride]
     }
 
     /// How far apart two rows begin within [`TiledRaster::tile_posts`], in posts: the same in all
@@ -226,7 +273,6 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         for tile_row in spans[1].clone() {
             for tile_col in spans[0].clone() {
                 let index = (tile_row * self.tiles_across + tile_col) as usize;
-                let tile = Arc::make_mut(&mut self.tiles[index]);
                 let (x, y) = (col - tile_col * TILE_CELLS, row - tile_row * TILE_CELLS);
                 let from = y as usize * self.stride + x as usize;
                 let to = if col == self.cols - 1 {
@@ -234,7 +280,7 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
                 } else {
                     from + 1
                 };
-                tile[from..to].fill(value);
+                self.posts_mut(index)[from..to].fill(value);
             }
         }
     }
@@ -270,16 +316,16 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
         let mut changed = Vec::new();
         for index in self.tile_indices() {
             let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
-            let slot = &mut result.tiles[(index.row * self.tiles_across + index.col) as usize];
+            let slot = (index.row * self.tiles_across + index.col) as usize;
             let stride = self.stride;
-            let height = (slot.len() / stride) as u32;
+            let height = self.height(slot) as u32;
             let width = (stride as u32).min(self.cols - col0);
             let col_range = cols.start.max(col0)..cols.end.min(col0 + width);
             let row_range = rows.start.max(row0)..rows.end.min(row0 + height);
             if col_range.is_empty() || row_range.is_empty() {
                 continue;
             }
-            let tile = Arc::make_mut(slot);
+            let tile = result.posts_mut(slot);
             for row in row_range {
                 for col in col_range.clone() {
                     let value = &mut tile[(row - row0) as usize * stride + (col - col0) as usize];
@@ -309,26 +355,35 @@ impl<T: Copy + Send + Sync> TiledRaster<T> {
     ) -> Self {
         let mut result = self.clone();
         let (across, stride, last) = (self.tiles_across, self.stride, self.cols - 1);
-        result
-            .tiles
-            .par_iter_mut()
-            .enumerate()
-            .for_each(|(slot, tile)| {
-                let index = TileIndex {
-                    col: slot as u32 % across,
-                    row: slot as u32 / across,
-                };
-                if tiles.contains(&index) {
-                    let (col0, row0) = (index.col * TILE_CELLS, index.row * TILE_CELLS);
-                    let posts = (0..tile.len())
-                        .map(|at| {
-                            let col = (col0 + (at % stride) as u32).min(last);
-                            post(col, row0 + (at / stride) as u32)
-                        })
-                        .collect();
-                    *tile = Arc::new(posts);
+        let mut renewed = Vec::with_capacity(tiles.len());
+        for (tile, index) in self.tile_indices().enumerate() {
+            if tiles.contains(&index) {
+                renewed.push((tile, result.free_slot()));
+            }
+        }
+        // Taking a slot may have moved all tiles to other memory: what was taken before is lost.
+        let moved = |(_, slot): &(usize, Slot<T>)| !slot.is_of(&result.slab);
+        if renewed.iter().any(moved) {
+            for (_, slot) in &mut renewed {
+                *slot = result.free_slot();
+            }
+        }
+        let renewed: Vec<_> = renewed
+            .into_par_iter()
+            .map(|(tile, mut slot)| {
+                let col0 = tile as u32 % across * TILE_CELLS;
+                let row0 = tile as u32 / across * TILE_CELLS;
+                let posts = &mut slot.items_mut()[..self.height(tile) * stride];
+                for (at, to) in posts.iter_mut().enumerate() {
+                    let col = (col0 + (at % stride) as u32).min(last);
+                    *to = post(col, row0 + (at / stride) as u32);
                 }
-            });
+                (tile, Arc::new(slot))
+            })
+            .collect();
+        for (tile, slot) in renewed {
+            result.tiles[tile] = slot;
+        }
         result
     }
 

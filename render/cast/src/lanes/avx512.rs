@@ -1,7 +1,7 @@
 //! AVX-512: sixteen lanes a register.
 
-use super::portable::cell_place;
-use super::{LANES, Lanes, Sources};
+use super::{LANES, Lanes};
+use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
 /// The proof that the processor has AVX-512 F, BW, DQ and VL.
@@ -85,50 +85,23 @@ impl InMemory {
     }
 }
 
-/// The pairs at lanes' places, and those a row further. Places beyond a tile's last cell are moved
-/// to it.
+/// The pairs at lanes' places, and those a row further. Places behind the last cell are moved to
+/// it.
 #[inline(always)]
-fn rows<T>(tiles: &Sources<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
+fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
     const { assert!(size_of::<T>() == 4) };
-    match tiles {
-        Sources::One(tile) => {
-            assert!(tile.len() >= stride as usize + 2, "a tile has a cell");
-            let last = tile.len() as u32 - (stride + 2);
-            let mut memory = InMemory([0; LANES]);
-            let places = memory.store(on_values!(_mm512_min_epu32(
-                at,
-                _mm512_set1_epi32(last as i32)
-            )));
-            let south = tile.as_ptr();
-            let north = south.wrapping_add(stride as usize);
-            // SAFETY: the places leave a row and two items to the tile's end.
-            unsafe {
-                [
-                    pairs(|k| south.wrapping_add(places.lane(k)).cast()),
-                    pairs(|k| north.wrapping_add(places.lane(k)).cast()),
-                ]
-            }
-        }
-        Sources::Each(tiles) => on_values!(rows_of_each(tiles, at, stride)),
-    }
-}
-
-/// `rows` where each lane has a tile of its own.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-#[inline(never)]
-fn rows_of_each<T>(tiles: &[&[T]; LANES], at: __m512i, stride: u32) -> [Pairs; 2] {
+    assert!(items.len() >= stride as usize + 2, "a tile has a cell");
+    let last = items.len() - (stride as usize + 2);
+    let last = i32::try_from(last).unwrap_or(i32::MAX);
     let mut memory = InMemory([0; LANES]);
-    let places = memory.store(at);
-    let south: [*const T; LANES] = std::array::from_fn(|k| {
-        assert!(tiles[k].len() >= stride as usize + 2, "a tile has a cell");
-        let place = cell_place(places.lane(k) as i32, tiles[k].len(), stride);
-        tiles[k].as_ptr().wrapping_add(place)
-    });
-    // SAFETY: the places leave a row and two items to their tiles' ends.
+    let places = memory.store(on_values!(_mm512_min_epu32(at, _mm512_set1_epi32(last))));
+    let south = items.as_ptr();
+    let north = south.wrapping_add(stride as usize);
+    // SAFETY: from each place on there is a row and two items.
     unsafe {
         [
-            pairs(|k| south[k].cast()),
-            pairs(|k| south[k].wrapping_add(stride as usize).cast()),
+            pairs(|k| south.wrapping_add(places.lane(k)).cast()),
+            pairs(|k| north.wrapping_add(places.lane(k)).cast()),
         ]
     }
 }
@@ -181,6 +154,37 @@ fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m5
                 _mm512_extracti64x4_epi64::<1>(north),
             );
             _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+}
+
+/// Columns for rows: within quarters of registers first, then whole quarters.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline]
+fn transposed(rows: [__m512i; LANES]) -> [__m512i; LANES] {
+    let mut pairs = rows;
+    for k in (0..LANES).step_by(2) {
+        pairs[k] = _mm512_unpacklo_epi32(rows[k], rows[k + 1]);
+        pairs[k + 1] = _mm512_unpackhi_epi32(rows[k], rows[k + 1]);
+    }
+    // Row 4 b + c now: in quarter q, the rows 4 b to 4 b + 3 of column 4 q + c.
+    let mut fours = pairs;
+    for b in (0..LANES).step_by(4) {
+        fours[b] = _mm512_unpacklo_epi64(pairs[b], pairs[b + 2]);
+        fours[b + 1] = _mm512_unpackhi_epi64(pairs[b], pairs[b + 2]);
+        fours[b + 2] = _mm512_unpacklo_epi64(pairs[b + 1], pairs[b + 3]);
+        fours[b + 3] = _mm512_unpackhi_epi64(pairs[b + 1], pairs[b + 3]);
+    }
+    let mut columns = rows;
+    for c in 0..4 {
+        let low = _mm512_shuffle_i32x4::<0b10_00_10_00>(fours[c], fours[4 + c]);
+        let low_odd = _mm512_shuffle_i32x4::<0b11_01_11_01>(fours[c], fours[4 + c]);
+        let high = _mm512_shuffle_i32x4::<0b10_00_10_00>(fours[8 + c], fours[12 + c]);
+        let high_odd = _mm512_shuffle_i32x4::<0b11_01_11_01>(fours[8 + c], fours[12 + c]);
+        columns[c] = _mm512_shuffle_i32x4::<0b10_00_10_00>(low, high);
+        columns[4 + c] = _mm512_shuffle_i32x4::<0b10_00_10_00>(low_odd, high_odd);
+        columns[8 + c] = _mm512_shuffle_i32x4::<0b11_01_11_01>(low, high);
+        columns[12 + c] = _mm512_shuffle_i32x4::<0b11_01_11_01>(low_odd, high_odd);
+    }
+    columns
 }
 
 impl Lanes for Avx512 {
@@ -376,6 +380,11 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn transpose(self, rows: [__m512i; LANES]) -> [__m512i; LANES] {
+        on_values!(transposed(rows))
+    }
+
+    #[inline(always)]
     fn scatter(self, mask: __mmask16, at: __m512i, value: __m512, to: &mut [f32]) {
         assert!(!to.is_empty());
         let last = i32::try_from(to.len() - 1).unwrap_or(i32::MAX);
@@ -387,8 +396,8 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn cells(self, tiles: &Sources<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
-        let [[a, b], [c, d]] = rows(tiles, at, stride);
+    fn cells(self, posts: &SlabView<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
+        let [[a, b], [c, d]] = rows(posts, at, stride);
         on_values!({
             let even =
                 _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -403,45 +412,43 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, tiles: &[T], at: __m512i) {
-        let mut lanes = [0_i32; LANES];
-        self.store_i(at, &mut lanes);
-        for k in (0..LANES).step_by(4) {
-            let place = tiles.as_ptr().wrapping_add(lanes[k] as u32 as usize);
-            on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
+    fn halves(self, numbers: &SlabView<'_, u16>, at: __m512i) -> __m512i {
+        assert!(numbers.len() >= 2);
+        // Two bytes more are read than asked for, so the last place is read with the one before.
+        let last = i32::try_from(numbers.len() - 2).unwrap_or(i32::MAX);
+        // SAFETY: four bytes can be read from each place on.
+        unsafe {
+            let last = _mm512_set1_epi32(last);
+            let pairs = _mm512_i32gather_epi32::<2>(
+                _mm512_min_epu32(at, last),
+                numbers.as_ptr().cast(),
+            );
+            let wanted = _mm512_and_si512(pairs, _mm512_set1_epi32(0xffff));
+            let behind = _mm512_cmpgt_epu32_mask(at, last);
+            _mm512_mask_srli_epi32::<16>(wanted, behind, pairs)
         }
     }
 
     #[inline(always)]
-    fn halves(self, tiles: &Sources<'_, u16>, at: __m512i) -> __m512i {
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(at);
-        let mut values = [0_i32; LANES];
-        match tiles {
-            Sources::One(tile) => {
-                for (k, value) in values.iter_mut().enumerate() {
-                    *value = i32::from(tile[places.lane(k).min(tile.len() - 1)]);
-                }
-            }
-            Sources::Each(tiles) => {
-                for (k, value) in values.iter_mut().enumerate() {
-                    *value = i32::from(tiles[k][places.lane(k).min(tiles[k].len() - 1)]);
-                }
-            }
+    fn look_up(self, table: &[u32], at: __m512i) -> __m512i {
+        let last = i32::try_from(table.len() - 1).unwrap_or(i32::MAX);
+        // SAFETY: no place is behind the last entry.
+        unsafe {
+            let at = _mm512_min_epu32(at, _mm512_set1_epi32(last));
+            _mm512_i32gather_epi32::<4>(at, table.as_ptr().cast())
         }
-        self.load_i(&values)
     }
 
     #[inline(always)]
     fn texels(
         self,
-        tiles: &Sources<'_, [u8; 4]>,
+        texels: &SlabView<'_, [u8; 4]>,
         at: __m512i,
         stride: u32,
         east: __m512,
         north: __m512,
     ) -> __m512i {
-        let [south, north_row] = rows(tiles, at, stride);
+        let [south, north_row] = rows(texels, at, stride);
         on_values!(blend(south, north_row, east, north))
     }
 }

@@ -13,11 +13,11 @@
 mod avx512;
 mod isa;
 mod portable;
-mod sources;
 
 pub(crate) use isa::{Isa, Kernel};
 pub(crate) use portable::Portable;
-pub(crate) use sources::Sources;
+
+use sandtable_terrain::SlabView;
 
 /// Lanes in a group.
 pub(crate) const LANES: usize = 16;
@@ -90,23 +90,26 @@ pub(crate) trait Lanes: Copy {
     fn compress(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]);
     fn compress_i(self, mask: Self::M, value: Self::I, to: &mut [i32; LANES]);
 
+    /// Columns for rows.
+    fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
+
     /// Writes the lanes of `mask`, each to its own place; a place beyond the end to the last one.
     fn scatter(self, mask: Self::M, at: Self::I, value: Self::F, to: &mut [f32]);
 
-    /// From each lane's own place in one or more tiles: the four posts of a cell (south-west,
-    /// south-east, north-west, north-east), which begin at `at` and, a row further, at
-    /// `at + stride`. Places beyond a tile's end are moved to its end.
-    fn cells(self, tiles: &Sources<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
-    /// Asks for the memory at each lane's place to be read ahead; of every fourth lane only.
-    fn prefetch<T>(self, tiles: &[T], at: Self::I);
-    /// From each lane's own place one 16-bit number.
-    fn halves(self, tiles: &Sources<'_, u16>, at: Self::I) -> Self::I;
+    /// The four posts of the cell at each lane's place (south-west, south-east, north-west,
+    /// north-east), of which the northern ones are `stride` further on. Places are those of cells
+    /// of the view's tiles; what else is read is any number.
+    fn cells(self, posts: &SlabView<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
+    /// The number at each lane's place.
+    fn halves(self, numbers: &SlabView<'_, u16>, at: Self::I) -> Self::I;
+    /// The entry of a table at each lane's place; beyond its end the last one.
+    fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
     /// Four neighbouring texels blended, rounded to bytes: as `cells`, with `east` and `north` in
     /// [0, 1] the weights of the eastern and northern ones. The fourth byte is 255 where it is so
     /// in all four texels.
     fn texels(
         self,
-        tiles: &Sources<'_, [u8; 4]>,
+        texels: &SlabView<'_, [u8; 4]>,
         at: Self::I,
         stride: u32,
         east: Self::F,

@@ -1,6 +1,7 @@
 //! The reference: plain Rust, which every processor runs.
 
-use super::{LANES, Lanes, Sources};
+use super::{LANES, Lanes};
+use sandtable_terrain::SlabView;
 
 /// Sixteen lanes without any instruction set; compilers make of it what the processor has.
 #[derive(Clone, Copy)]
@@ -26,10 +27,15 @@ fn truth(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()
 }
 
-/// The place in `tile` of a cell at `at`, moved so that the cell ends within the tile.
+/// The first item of each row of a cell and the one behind it; zeros where there is no such cell.
 #[inline(always)]
-pub(super) fn cell_place(at: i32, len: usize, stride: u32) -> usize {
-    (at as u32).min((len as u32).saturating_sub(stride + 2)) as usize
+fn cell<T: Copy + Default>(items: &SlabView<'_, T>, at: i32, stride: u32) -> [T; 4] {
+    let tile = items.from_place(at as u32);
+    let next = stride as usize;
+    match (tile.get(..2), tile.get(next..next + 2)) {
+        (Some(south), Some(north)) => [south[0], south[1], north[0], north[1]],
+        _ => [T::default(); 4],
+    }
 }
 
 impl Lanes for Portable {
@@ -225,6 +231,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
+        each(|col| each(|row| rows[row][col]))
+    }
+
+    #[inline(always)]
     fn scatter(self, mask: M, at: I, value: F, to: &mut [f32]) {
         let last = to.len() - 1;
         for k in 0..LANES {
@@ -235,50 +246,46 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn cells(self, tiles: &Sources<'_, f32>, at: I, stride: u32) -> [F; 4] {
-        let mut posts = [[0.0; LANES]; 4];
+    fn cells(self, posts: &SlabView<'_, f32>, at: I, stride: u32) -> [F; 4] {
+        let mut lanes = [[0.0; LANES]; 4];
         for k in 0..LANES {
-            let tile = tiles.lane(k);
-            let at = cell_place(at[k], tile.len(), stride);
-            let next = at + stride as usize;
-            let (south, north) = (&tile[at..at + 2], &tile[next..next + 2]);
-            posts[0][k] = south[0];
-            posts[1][k] = south[1];
-            posts[2][k] = north[0];
-            posts[3][k] = north[1];
+            let cell = cell(posts, at[k], stride);
+            for (lanes, post) in lanes.iter_mut().zip(cell) {
+                lanes[k] = post;
+            }
         }
-        posts
+        lanes
     }
     #[inline(always)]
-    fn prefetch<T>(self, _: &[T], _: I) {}
-
-    #[inline(always)]
-    fn halves(self, tiles: &Sources<'_, u16>, at: I) -> I {
+    fn halves(self, numbers: &SlabView<'_, u16>, at: I) -> I {
         each(|k| {
-            let tile = tiles.lane(k);
-            i32::from(tile[(at[k] as u32 as usize).min(tile.len() - 1)])
+            let found = numbers.from_place(at[k] as u32).first();
+            i32::from(found.copied().unwrap_or(0))
         })
+    }
+    #[inline(always)]
+    fn look_up(self, table: &[u32], at: I) -> I {
+        let last = table.len() - 1;
+        each(|k| table[(at[k] as u32 as usize).min(last)] as i32)
     }
     #[inline(always)]
     fn texels(
         self,
-        tiles: &Sources<'_, [u8; 4]>,
+        texels: &SlabView<'_, [u8; 4]>,
         at: I,
         stride: u32,
         east: F,
         north: F,
     ) -> I {
         each(|k| {
-            let tile = tiles.lane(k);
-            let at = cell_place(at[k], tile.len(), stride);
-            let next = at + stride as usize;
-            let (south_row, north_row) = (&tile[at..at + 2], &tile[next..next + 2]);
+            let [sw, se, nw, ne] = cell(texels, at[k], stride);
             let (east, north) = (weight(east[k]), weight(north[k]));
             i32::from_ne_bytes(std::array::from_fn(|channel| {
                 let texel = |texel: [u8; 4]| i16::from(texel[channel]) << 6;
-                let along = |from: i16, to: i16, share: i16| from + rounded_product(to - from, share);
-                let south = along(texel(south_row[0]), texel(south_row[1]), east);
-                let row = along(texel(north_row[0]), texel(north_row[1]), east);
+                let along =
+                    |from: i16, to: i16, share: i16| from + rounded_product(to - from, share);
+                let south = along(texel(sw), texel(se), east);
+                let row = along(texel(nw), texel(ne), east);
                 ((along(south, row, north) + 32) >> 6) as u8
             }))
         })

@@ -35,8 +35,9 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
         let row = l.shr_i(l.and_i(y, within), level);
         let col = l.shr_i(l.and_i(x, within), level);
         let side = l.sub_i(top, level);
-        let place = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
-        let code = l.halves(&field.blocks(l, mask, x, y), place);
+        let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
+        let place = l.add_i(field.maxima.base(l, x, y), block_at);
+        let code = l.halves(&field.maxima.items, place);
         let highest = l.add(
             l.mul(l.to_float(code), l.splat(field.code_step)),
             l.splat(field.code_base),

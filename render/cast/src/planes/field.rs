@@ -1,20 +1,56 @@
 //! The ground as one sector's rays meet it: mirrored and turned, so that all of them run the same
 //! way.
 
-use crate::lanes::{LANES, Lanes, Sources};
+use crate::lanes::Lanes;
+use sandtable_terrain::SlabView;
 
 /// Cells along a tile's side, as a shift.
 const TILE_SHIFT: i32 = 8;
 const TILE_LAST: i32 = (1 << TILE_SHIFT) - 1;
 
-/// The tiles of one view's ground.
-pub(super) struct Tiles<'a> {
-    pub(super) heights: Vec<&'a [f32]>,
-    pub(super) maxima: Vec<&'a [u16]>,
-    pub(super) across: i32,
+/// A raster's memory, and where its tiles lie in it.
+pub(super) struct Tiles<'a, T> {
+    pub(super) items: SlabView<'a, T>,
+    /// Tiles from west to east, and items from row to row in a tile.
+    across: i32,
     pub(super) stride: u32,
-    /// Cells along x and y.
-    pub(super) cells: [i32; 2],
+    /// Whether tile n begins at n times a tile's length; else where tiles begin is looked up.
+    in_order: bool,
+}
+
+impl<'a, T> Tiles<'a, T> {
+    pub(super) fn new(items: SlabView<'a, T>, across: u32, stride: usize) -> Self {
+        Self {
+            across: across as i32,
+            stride: stride as u32,
+            in_order: items.is_in_order(),
+            items,
+        }
+    }
+
+    /// Where the tiles begin in which (x, y) lie.
+    #[inline(always)]
+    pub(super) fn base<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
+        let shift = l.splat_i(TILE_SHIFT);
+        let number = l.add_i(
+            l.mul_i(l.shr_i(y, shift), l.splat_i(self.across)),
+            l.shr_i(x, shift),
+        );
+        if self.in_order {
+            l.mul_i(number, l.splat_i(self.items.slot_len() as i32))
+        } else {
+            l.look_up(self.items.bases(), number)
+        }
+    }
+
+    /// The place of (x, y).
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
+        let within = l.splat_i(TILE_LAST);
+        let row = l.mul_i(l.and_i(y, within), l.splat_i(self.stride as i32));
+        let at = l.add_i(row, l.and_i(x, within));
+        l.add_i(self.base(l, x, y), at)
+    }
 }
 
 /// One axis of the ground as a sector's rays run along it.
@@ -92,7 +128,8 @@ impl Axis {
 
 /// The ground as the rays of one sector meet it.
 pub(super) struct Field<'a> {
-    pub(super) tiles: &'a Tiles<'a>,
+    pub(super) heights: &'a Tiles<'a, f32>,
+    pub(super) maxima: &'a Tiles<'a, u16>,
     /// The axis along which rays advance by 1 cell for each 1 of their parameter, and the other.
     pub(super) major: Axis,
     pub(super) minor: Axis,
@@ -121,37 +158,6 @@ impl<'a> Field<'a> {
         [self.major.cell(l, t), self.minor.cell(l, l.mul(t, advance))]
     }
 
-    /// The tile of each lane, in the order of the ground's tiles.
-    #[inline(always)]
-    fn tile_numbers<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
-        let shift = l.splat_i(TILE_SHIFT);
-        l.add_i(
-            l.mul_i(l.shr_i(y, shift), l.splat_i(self.tiles.across)),
-            l.shr_i(x, shift),
-        )
-    }
-
-    /// The tiles that lanes read, out of `all`. Lanes not in `mask` read any.
-    #[inline(always)]
-    pub(super) fn sources<T, L: Lanes>(
-        l: L,
-        all: &[&'a [T]],
-        numbers: L::I,
-        mask: L::M,
-    ) -> Sources<'a, T> {
-        let first = l.first_i(numbers, mask);
-        let last = all.len() - 1;
-        let same = l.eq_i(numbers, l.splat_i(first));
-        if l.bits(l.and_not(mask, same)) == 0 {
-            Sources::One(all[(first as u32 as usize).min(last)])
-        } else {
-            let mut lanes = [0; LANES];
-            l.store_i(numbers, &mut lanes);
-            let tiles = lanes.map(|lane| all[(lane as u32 as usize).min(last)]);
-            Sources::Each(tiles)
-        }
-    }
-
     /// The ground's columns and rows of mirrored cells (major, minor).
     #[inline(always)]
     pub(super) fn cells<L: Lanes>(&self, l: L, major: L::I, minor: L::I) -> [L::I; 2] {
@@ -163,22 +169,10 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Where mirrored cells (major, minor) are: the place in the tile, and the tile.
+    /// The place of mirrored cells (major, minor) among the heights.
     #[inline(always)]
-    pub(super) fn place<L: Lanes>(&self, l: L, [major, minor]: [L::I; 2]) -> (L::I, L::I) {
-        let within = l.splat_i(TILE_LAST);
+    pub(super) fn place<L: Lanes>(&self, l: L, [major, minor]: [L::I; 2]) -> L::I {
         let [x, y] = self.cells(l, major, minor);
-        let row = l.mul_i(l.and_i(y, within), l.splat_i(self.tiles.stride as i32));
-        (
-            l.add_i(row, l.and_i(x, within)),
-            self.tile_numbers(l, x, y),
-        )
-    }
-
-    /// The tiles of blocks that lanes in the ground's columns `x` and rows `y` read.
-    #[inline(always)]
-    pub(super) fn blocks<L: Lanes>(&self, l: L, mask: L::M, x: L::I, y: L::I) -> Sources<'a, u16> {
-        let numbers = self.tile_numbers(l, x, y);
-        Self::sources(l, &self.tiles.maxima, numbers, mask)
+        self.heights.place(l, x, y)
     }
 }

@@ -9,7 +9,10 @@ use sandtable_view::View;
 /// What all sectors of one view share.
 pub(super) struct Frame<'a> {
     pub(super) isa: crate::lanes::Isa,
-    pub(super) tiles: Tiles<'a>,
+    pub(super) heights: Tiles<'a, f32>,
+    pub(super) maxima: Tiles<'a, u16>,
+    /// Cells along x and y.
+    pub(super) cells: [i32; 2],
     pub(super) ground: &'a Ground,
     pub(super) view: &'a View,
     pub(super) rays: ImageRays,

@@ -1,7 +1,7 @@
 //! The highest ground in blocks of cells: the pyramid that rays descend.
 
 use rayon::prelude::*;
-use sandtable_terrain::{Ground, TILE_CELLS, TileIndex};
+use sandtable_terrain::{Ground, Slab, SlabView, Slot, TILE_CELLS, TileIndex};
 use std::sync::Arc;
 
 /// The coarsest level: one block a tile.
@@ -19,13 +19,14 @@ pub(super) const LEVEL_BEGIN: [i32; TOP as usize + 1] = {
     begins
 };
 
-const BLOCKS: usize = LEVEL_BEGIN[TOP as usize] as usize + 1;
+pub(super) const BLOCKS: usize = LEVEL_BEGIN[TOP as usize] as usize + 1;
 
 /// For each tile of the ground, upper bounds of the height in blocks of 2ˡ × 2ˡ cells, l from 1 to
 /// [`TOP`], row by row from the south-west, in steps of 1/65535 of the ground's range.
 #[derive(Clone)]
 pub(super) struct Maxima {
-    tiles: Vec<Arc<[u16; BLOCKS]>>,
+    slab: Arc<Slab<u16>>,
+    tiles: Vec<Arc<Slot<u16>>>,
     /// The height of code 0, and the metres from code to code.
     pub(super) base: f32,
     pub(super) step: f32,
@@ -37,15 +38,22 @@ impl Maxima {
         let [low, high] = ground.range();
         // A step too long by a little: the highest code must not fall short of the highest post.
         let step = ((high - low) / 65534.0).max(f32::MIN_POSITIVE) * 1.000_001;
+        let indices: Vec<_> = ground.heights().tile_indices().collect();
+        let slab = Slab::new(indices.len() + indices.len() / 8 + 4, BLOCKS);
         let mut maxima = Self {
             tiles: Vec::new(),
             base: low,
             step,
+            slab,
         };
-        let indices: Vec<_> = ground.heights().tile_indices().collect();
+        let slots: Vec<_> = indices.iter().map_while(|_| maxima.slab.take()).collect();
         maxima.tiles = indices
-            .par_iter()
-            .map(|&index| Arc::new(maxima.tile(ground, index)))
+            .into_par_iter()
+            .zip(slots)
+            .map(|(index, mut slot)| {
+                maxima.fill(ground, index, slot.items_mut());
+                Arc::new(slot)
+            })
             .collect();
         maxima
     }
@@ -60,21 +68,21 @@ impl Maxima {
         let across = ground.heights().tiles_across();
         for &index in changed {
             let slot = (index.row * across + index.col) as usize;
-            if let Some(tile) = result.tiles.get_mut(slot) {
-                *tile = Arc::new(self.tile(ground, index));
+            if slot >= result.tiles.len() {
+                continue;
             }
+            let Some(mut blocks) = self.slab.take() else {
+                return Self::new(ground);
+            };
+            self.fill(ground, index, blocks.items_mut());
+            result.tiles[slot] = Arc::new(blocks);
         }
         result
     }
 
-    /// Each tile's blocks, in the order of the ground's tiles.
-    pub(super) fn tiles(&self) -> impl Iterator<Item = &[u16]> {
-        self.tiles.iter().map(|tile| &tile[..])
-    }
-
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        self.tiles.len() * size_of::<[u16; BLOCKS]>()
+    /// All tiles' blocks, in the order of the ground's tiles.
+    pub(super) fn view(&self) -> SlabView<'_, u16> {
+        SlabView::new(&self.slab, self.tiles.iter().map(|tile| &**tile))
     }
 
     /// The least code that stands for `height` or more.
@@ -87,12 +95,12 @@ impl Maxima {
         }
     }
 
-    fn tile(&self, ground: &Ground, index: TileIndex) -> [u16; BLOCKS] {
+    fn fill(&self, ground: &Ground, index: TileIndex, blocks: &mut [u16]) {
         let heights = ground.heights();
         let stride = heights.tile_stride();
         let posts = heights.tile_posts(index);
         let rows = posts.len() / stride;
-        let mut blocks = [0; BLOCKS];
+        blocks.fill(0);
         let side = (TILE_CELLS / 2) as usize;
         for row in 0..side.min((rows - 1).div_ceil(2)) {
             let mut highest = [f32::NEG_INFINITY; TILE_CELLS as usize + 1];
@@ -120,7 +128,6 @@ impl Maxima {
                 }
             }
         }
-        blocks
     }
 }
 

@@ -5,6 +5,7 @@ mod climb;
 mod field;
 mod frame;
 mod maxima;
+mod pixels;
 mod rows;
 mod sectors;
 mod shade;
@@ -134,16 +135,9 @@ impl UnitCaster for PlanesScene {
         );
         Ok(Frame {
             isa: self.isa,
-            tiles: Tiles {
-                heights: heights
-                    .tile_indices()
-                    .map(|tile| heights.tile_posts(tile))
-                    .collect(),
-                maxima: self.maxima.tiles().collect(),
-                across: heights.tiles_across() as i32,
-                stride: heights.tile_stride() as u32,
-                cells: [grid.cols as i32 - 1, grid.rows as i32 - 1],
-            },
+            heights: Tiles::new(heights.view(), heights.tiles_across(), heights.tile_stride()),
+            maxima: Tiles::new(self.maxima.view(), heights.tiles_across(), 0),
+            cells: [grid.cols as i32 - 1, grid.rows as i32 - 1],
             ground,
             view,
             sectors: rays.sectors(WIDTH),
@@ -153,7 +147,7 @@ impl UnitCaster for PlanesScene {
             steepest: self.steepest,
             code_base: self.maxima.base,
             code_step: self.maxima.step,
-            near: 2.0 * grid.cell_length() as f32,
+            near: std::env::var("NEAR").ok().and_then(|x| x.parse().ok()).unwrap_or(2.0f32) * grid.cell_length() as f32,
         })
     }
 

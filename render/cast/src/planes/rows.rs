@@ -5,9 +5,10 @@ use super::field::{Axis, Field};
 use super::frame::Frame;
 use super::maxima::TOP;
 use super::sectors::Sector;
-use super::shade::{Pixels, Shader};
+use super::pixels::PixelBlock;
+use super::shade::{Chunk, Shader, Shading};
 use super::walk::{Passage, walk};
-use super::wave::{Ray, Wave};
+use super::wave::{CHUNK, Ray, Wave};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
 use crate::tally::Tally;
@@ -20,20 +21,23 @@ const MEMORY: usize = 8;
 #[derive(Default)]
 pub(super) struct Scratch {
     /// For the last steps, how far each lane's ray came: to its hit, or (negative) to where it left
-    /// the ground; while it is on its way, how far it is clear.
+    /// the ground or, while it is on its way, to where it is clear.
     reached: Vec<f32>,
     lanes: [[i32; 2]; MEMORY],
     /// The rays of these steps, for their colours.
     advance: Vec<f32>,
     slope: Vec<f32>,
     /// Rays that go from cell to cell, and those that skip blocks.
-    low: Wave,
-    high: Wave,
-    passage: Passage,
+    low: Box<Wave>,
+    high: Box<Wave>,
+    passage: Box<Passage>,
+    shading: Box<Shading>,
+    /// Colours and depths of the last steps.
+    pixels: PixelBlock,
 }
 
 /// Rays that may stay on their way while the next step begins.
-const UNFINISHED: usize = 3 * LANES;
+const UNFINISHED: usize = 4 * LANES;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
@@ -140,9 +144,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     ] {
         numbers.resize(numbers.len().max(room * MEMORY), 0.0);
     }
-    scratch.low.make_room(2 * width + 8 * LANES);
-    scratch.high.make_room(2 * width + 8 * LANES);
-    scratch.passage.make_room(2 * width + 8 * LANES);
+    scratch.pixels.begin(width + MARGIN);
     let shader = Shader::new(frame, sector, &march.field);
     let mut shaded = 0;
     for step in 0..sector.steps {
@@ -153,10 +155,11 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         }
         let lanes = sector.lanes(step);
         scratch.lanes[step as usize % MEMORY] = lanes;
-        if lanes[0] < lanes[1] {
+        for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
+            let chunk = [first, lanes[1].min(first + CHUNK as i32)];
             l.vectorize(
                 #[inline(always)]
-                || march.set_out(step, lanes, scratch, tally),
+                || march.set_out(step, chunk, scratch, tally),
             );
             march.go_on(scratch, UNFINISHED, tally);
         }
@@ -165,12 +168,13 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     }
     march.go_on(scratch, 0, tally);
     march.shade(&shader, canvas, scratch, shaded, sector.steps);
+    scratch.pixels.finish(l, canvas, sector);
 }
 
 impl<'a, L: Lanes> March<'a, L> {
     fn new(l: L, frame: &'a Frame<'a>, sector: &'a Sector, room: usize) -> Self {
         let eye = [frame.eye.x, frame.eye.y];
-        let axis = |number: usize, sign| Axis::new(eye[number], frame.tiles.cells[number], sign);
+        let axis = |number: usize, sign| Axis::new(eye[number], frame.cells[number], sign);
         let major = axis(sector.major, sector.signs[0]);
         let minor = axis(1 - sector.major, sector.signs[1]);
         let bounds = [major, minor].map(|axis| {
@@ -191,7 +195,8 @@ impl<'a, L: Lanes> March<'a, L> {
             frame,
             room,
             field: Field {
-                tiles: &frame.tiles,
+                heights: &frame.heights,
+                maxima: &frame.maxima,
                 major,
                 minor,
                 major_axis: sector.major,
@@ -259,42 +264,38 @@ impl<'a, L: Lanes> March<'a, L> {
         steps_back.max().map_or(step + 1, |back| step - back as u32)
     }
 
-    /// Colours steps from `from` to before `to`.
+    /// Colours steps from `from` to before `to`; gives where to go on.
     #[inline(always)]
     fn shade(
         &self,
         shader: &Shader<'_>,
         canvas: &Canvas<'_>,
-        scratch: &Scratch,
+        scratch: &mut Scratch,
         from: u32,
         to: u32,
     ) -> u32 {
-        let l = self.l;
-        l.vectorize(
-            #[inline(always)]
-            || {
-                for step in from..to {
-                    let lanes = scratch.lanes[step as usize % MEMORY];
-                    for first in (lanes[0]..lanes[1]).step_by(LANES) {
-                        let at = self.slot(step) + MARGIN + first as usize;
-                        let pixels = Pixels {
-                            step,
-                            first,
-                            bits: first_lanes(lanes[1] - first),
-                            directions: &self.directions,
-                        };
-                        shader.shade(
-                            l,
-                            canvas,
-                            &pixels,
-                            l.load(group(&scratch.reached, at)),
-                            l.load(group(&scratch.advance, at)),
-                            l.load(group(&scratch.slope, at)),
-                        );
-                    }
-                }
-            },
-        );
+        for step in from..to {
+            let lanes = scratch.lanes[step as usize % MEMORY];
+            for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
+                let count = (lanes[1] - first).min(CHUNK as i32) as usize;
+                let at = self.slot(step) + MARGIN + first as usize;
+                let numbers = at..at + count.next_multiple_of(LANES);
+                let chunk = Chunk {
+                    step,
+                    first,
+                    count,
+                    directions: &self.directions,
+                    reached: &scratch.reached[numbers.clone()],
+                    advance: &scratch.advance[numbers.clone()],
+                    slope: &scratch.slope[numbers],
+                };
+                let (colours, depths) = scratch.pixels.lanes_mut(step, first);
+                shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
+            }
+            scratch
+                .pixels
+                .finish_step(self.l, canvas, self.sector, step, lanes);
+        }
         to.max(from)
     }
 
@@ -341,7 +342,8 @@ impl<'a, L: Lanes> March<'a, L> {
                         for at in (0..wave.len()).step_by(LANES) {
                             let mask = l.mask(wave.mask(at));
                             let ray = wave.ray(l, at);
-                            l.scatter(mask, ray.id, wave.t(l, at), &mut scratch.reached);
+                            let clear = l.sub(l.splat(0.0), wave.t(l, at));
+                            l.scatter(mask, ray.id, clear, &mut scratch.reached);
                         }
                     }
                 },

@@ -48,6 +48,11 @@ pub(super) struct Sector {
 }
 
 impl Sector {
+    /// The image's column or row of step `k`.
+    pub(super) fn image_step(&self, k: u32) -> u32 {
+        (self.first_step + self.direction * k as i32) as u32
+    }
+
     /// The pixels of step `k`, from the first to behind the last, along the image's other axis.
     pub(super) fn lanes(&self, k: u32) -> [i32; 2] {
         let step = f64::from(self.first_step + self.direction * k as i32);

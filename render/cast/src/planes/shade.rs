@@ -1,12 +1,12 @@
 //! Colours and depths of a step's hits.
 
-use super::field::Field;
+use super::field::{Field, Tiles};
 use super::frame::Frame;
 use super::rows::Directions;
 use super::sectors::Sector;
-use crate::canvas::Canvas;
+use super::wave::{self, CAPACITY, Column};
 use crate::lanes::{LANES, Lanes};
-use crate::shade::sky;
+use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 use glam::DVec3;
 use sandtable_terrain::Photo;
 
@@ -77,9 +77,7 @@ impl Along {
 
 /// A photograph as one sector's rays meet it.
 struct Mapped<'a> {
-    tiles: Vec<&'a [[u8; 4]]>,
-    across: i32,
-    stride: u32,
+    tiles: Tiles<'a, [u8; 4]>,
     x: Along,
     y: Along,
 }
@@ -91,54 +89,103 @@ impl<'a> Mapped<'a> {
         let eye = (frame.view.eye.truncate() - photo.origin) / photo.spacing;
         let per_cell = spacing / photo.spacing;
         Self {
-            tiles: raster
-                .tile_indices()
-                .map(|tile| raster.tile_posts(tile))
-                .collect(),
-            across: raster.tiles_across() as i32,
-            stride: raster.tile_stride() as u32,
+            tiles: Tiles::new(raster.view(), raster.tiles_across(), raster.tile_stride()),
             x: Along::new(eye.x, per_cell.x, signs[0], raster.cols()),
             y: Along::new(eye.y, per_cell.y, signs[1], raster.rows()),
         }
     }
 
-    /// The colours under rays that advanced by `x` and `y` cells, and the lanes for which the
-    /// photo has one.
+    /// Where the colours of rays lie that advanced by so many cells along x and y: the place,
+    /// the weights of the eastern and northern pixels, and whether the photo
+    /// reaches there.
     #[inline(always)]
-    fn colours<L: Lanes>(&self, l: L, mask: L::M, advances: [L::F; 2]) -> (L::I, L::M) {
+    fn locate<L: Lanes>(&self, l: L, mask: L::M, advances: [L::F; 2]) -> Located<L> {
         let (mut x, mut east, off_x) = self.x.locate(l, advances[0]);
         let (mut y, mut north, off_y) = self.y.locate(l, advances[1]);
-        let mut covered = mask;
+        let mut on = mask;
         if l.bits(l.and(mask, l.or(off_x, off_y))) != 0 {
             let (off_x, off_y);
             (x, east, off_x) = self.x.at_border(l, x, east);
             (y, north, off_y) = self.y.at_border(l, y, north);
-            covered = l.and_not(mask, l.or(off_x, off_y));
+            on = l.and_not(mask, l.or(off_x, off_y));
         }
-        let shift = l.splat_i(8);
-        let within = l.splat_i(255);
-        let numbers = l.add_i(
-            l.mul_i(l.shr_i(y, shift), l.splat_i(self.across)),
-            l.shr_i(x, shift),
-        );
-        let at = l.add_i(
-            l.mul_i(l.and_i(y, within), l.splat_i(self.stride as i32)),
-            l.and_i(x, within),
-        );
-        let tiles = Field::sources(l, &self.tiles, numbers, mask);
-        let texels = l.texels(&tiles, at, self.stride, east, north);
-        let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
-        (texels, l.and(covered, whole))
+        Located {
+            at: self.tiles.place(l, x, y),
+            east,
+            north,
+            on,
+        }
     }
 }
 
-/// A group of pixels of a step.
-pub(super) struct Pixels<'a> {
+/// Where colours lie in a photo.
+struct Located<L: Lanes> {
+    at: L::I,
+    east: L::F,
+    north: L::F,
+    on: L::M,
+}
+
+/// What colouring one chunk of a step needs between its loops.
+#[repr(align(64))]
+pub(super) struct Shading {
+    at: Column<i32>,
+    east: Column<f32>,
+    north: Column<f32>,
+    length: Column<f32>,
+    /// For each group: its pixels that the photo may cover; its other pixels; and its pixels that
+    /// see the sky.
+    on: [u16; CAPACITY / LANES],
+    rest: [u16; CAPACITY / LANES],
+    sky: [u16; CAPACITY / LANES],
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            at: [0; CAPACITY],
+            east: [0.0; CAPACITY],
+            north: [0.0; CAPACITY],
+            length: [0.0; CAPACITY],
+            on: [0; CAPACITY / LANES],
+            rest: [0; CAPACITY / LANES],
+            sky: [0; CAPACITY / LANES],
+        }
+    }
+}
+
+/// A part of a step whose rays have come to their ends, a number a lane in each slice (and room
+/// for a whole last group).
+pub(super) struct Chunk<'a> {
     pub(super) step: u32,
-    /// The first lane's place in the step, and which lanes are pixels.
+    /// The first lane, and how many there are.
     pub(super) first: i32,
-    pub(super) bits: u16,
+    pub(super) count: usize,
     pub(super) directions: &'a Directions,
+    /// How far rays came: to hits, or (negative) to nothing.
+    pub(super) reached: &'a [f32],
+    pub(super) advance: &'a [f32],
+    pub(super) slope: &'a [f32],
+}
+
+impl Chunk<'_> {
+    /// Which lanes of the group that begins at lane `at` there are.
+    fn mask(&self, at: usize) -> u16 {
+        let left = self.count - at;
+        if left >= LANES {
+            u16::MAX
+        } else {
+            (1 << left) - 1
+        }
+    }
+}
+
+fn lanes<T>(numbers: &[T], at: usize) -> &[T; LANES] {
+    numbers[at..].first_chunk().expect("room was made")
+}
+
+fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
+    numbers[at..].first_chunk_mut().expect("room was made")
 }
 
 /// Turns what rays reached into pixels.
@@ -170,34 +217,24 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The colours of lanes that see no photo: the sky's, or the ground's own.
+    /// The colours of lanes on ground of which there is no photo: its own.
     #[cold]
     #[inline(never)]
-    fn colour_rest(
+    fn colour_ground(
         &self,
-        pixels: &Pixels<'_>,
-        mut rest: u16,
-        reached: &[f32; LANES],
+        chunk: &Chunk<'_>,
+        at: usize,
+        mut bits: u16,
         colours: &mut [i32; LANES],
     ) {
-        let first = self.world(pixels.directions.at(pixels.step, pixels.first));
-        let lane = self.world(pixels.directions.lane);
-        while rest != 0 {
-            let k = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let direction = first + k as f64 * lane;
-            let [r, g, b] = if reached[k] >= 0.0 {
-                let along = if self.sector.major == 0 {
-                    direction.x / self.metres[0]
-                } else {
-                    direction.y / self.metres[0]
-                };
-                let t = f64::from(reached[k]) / along.abs().max(1e-6);
-                let point = self.frame.view.eye + t * direction;
-                self.frame.ground.colour_at(point.x, point.y)
-            } else {
-                sky(direction)
-            };
+        let first = chunk.directions.at(chunk.step, chunk.first + at as i32);
+        while bits != 0 {
+            let k = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let direction = first + k as f64 * chunk.directions.lane;
+            let t = f64::from(chunk.reached[at + k]) / direction.x.max(1e-6);
+            let point = self.frame.view.eye + t * self.world(direction);
+            let [r, g, b] = self.frame.ground.colour_at(point.x, point.y);
             colours[k] = i32::from_ne_bytes([r, g, b, 255]);
         }
     }
@@ -213,71 +250,133 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Sets a group's pixels, whose rays `reached` so far: to a hit, or (negative) to nothing.
+    /// Writes the colours and depths of a chunk's pixels, a number a lane (and room for a whole
+    /// last group).
+    ///
+    /// Three loops, as [`walk`](super::walk::walk) has.
     #[inline(always)]
     pub(super) fn shade<L: Lanes>(
         &self,
         l: L,
-        canvas: &Canvas<'_>,
-        pixels: &Pixels<'_>,
-        reached: L::F,
-        advance: L::F,
-        slope: L::F,
+        chunk: &Chunk<'_>,
+        shading: &mut Shading,
+        colours: &mut [i32],
+        depths: &mut [f32],
     ) {
-        let &Pixels {
-            step,
-            first,
-            bits,
-            ..
-        } = pixels;
-        let hit = l.and(l.mask(bits), l.le(l.splat(0.0), reached));
-        let [major_metres, minor_metres] = self.metres;
-        let minor_length = l.mul(advance, l.splat(minor_metres as f32));
-        let length = l.sqrt(l.add(
-            l.add(
-                l.mul(minor_length, minor_length),
-                l.splat((major_metres * major_metres) as f32),
-            ),
-            l.mul(slope, slope),
-        ));
-        let depth = l.select(hit, l.mul(reached, length), l.splat(f32::INFINITY));
-        let minor_advance = l.mul(reached, advance);
-        let advances = if self.sector.major == 0 {
-            [reached, minor_advance]
-        } else {
-            [minor_advance, reached]
-        };
-        let mut colours = [0; LANES];
-        let mut rest = bits;
-        if let Some(photo) = &self.photo
-            && l.bits(hit) != 0
-        {
-            let (texels, covered) = photo.colours(l, hit, advances);
-            l.store_i(texels, &mut colours);
-            rest &= !l.bits(covered);
+        l.vectorize(
+            #[inline(always)]
+            || self.locate(l, chunk, shading, depths),
+        );
+        if let Some(photo) = &self.photo {
+            l.vectorize(
+                #[inline(always)]
+                || {
+                    for at in (0..chunk.count).step_by(LANES) {
+                        let group = at / LANES;
+                        if shading.on[group] == 0 {
+                            continue;
+                        }
+                        let texels = l.texels(
+                            &photo.tiles.items,
+                            l.load_i(wave::group(&shading.at, at)),
+                            photo.tiles.stride,
+                            l.load(wave::group(&shading.east, at)),
+                            l.load(wave::group(&shading.north, at)),
+                        );
+                        l.store_i(texels, lanes_mut(colours, at));
+                        let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
+                        shading.rest[group] |= shading.on[group] & !l.bits(whole);
+                    }
+                },
+            );
         }
-        let mut depths = [0.0; LANES];
-        l.store(depth, &mut depths);
-        if rest != 0 {
-            let mut ts = [0.0; LANES];
-            l.store(reached, &mut ts);
-            self.colour_rest(pixels, rest, &ts, &mut colours);
-        }
-        let along_step = (self.sector.first_step + self.sector.direction * step as i32) as u32;
-        let count = bits.count_ones() as usize;
-        if self.sector.step_axis == 1 {
-            let pixel = [first as u32, along_step];
-            // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-            #[allow(unsafe_code, reason = "as `Canvas::set_row` says")]
-            unsafe {
-                if count == LANES {
-                    canvas.set_row(pixel, &colours, &depths);
-                } else {
-                    canvas.set_row(pixel, &colours[..count], &depths[..count]);
-                }
+        for at in (0..chunk.count).step_by(LANES) {
+            let (rest, sky) = (shading.rest[at / LANES], shading.sky[at / LANES]);
+            if rest != 0 {
+                self.colour_ground(chunk, at, rest, lanes_mut(colours, at));
             }
-        } else {
-            canvas.set_column([along_step, first as u32], &colours[..count], &depths[..count]);
+            if sky != 0 {
+                l.vectorize(
+                    #[inline(always)]
+                    || {
+                        let slope = l.load(lanes(chunk.slope, at));
+                        let up = l.div(slope, l.load(wave::group(&shading.length, at)));
+                        let colours = lanes_mut(colours, at);
+                        let ground = l.load_i(colours);
+                        l.store_i(l.select_i(l.mask(sky), sky_colours(l, up), ground), colours);
+                    },
+                );
+            }
         }
     }
+
+    #[inline(always)]
+    fn locate<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        shading: &mut Shading,
+        depths: &mut [f32],
+    ) {
+        let minor_metres = l.splat(self.metres[1] as f32);
+        let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
+        let infinity = l.splat(f32::INFINITY);
+        for at in (0..chunk.count).step_by(LANES) {
+            let group = at / LANES;
+            let mask = chunk.mask(at);
+            let reached = l.load(lanes(chunk.reached, at));
+            let advance = l.load(lanes(chunk.advance, at));
+            let slope = l.load(lanes(chunk.slope, at));
+            let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
+            let minor_length = l.mul(advance, minor_metres);
+            let square = l.add(l.mul(minor_length, minor_length), major_square);
+            let length = l.sqrt(l.add(square, l.mul(slope, slope)));
+            let depth = l.select(hit, l.mul(reached, length), infinity);
+            l.store(depth, lanes_mut(depths, at));
+            l.store(length, wave::group_mut(&mut shading.length, at));
+            let hits = l.bits(hit);
+            shading.sky[group] = mask & !hits;
+            shading.rest[group] = hits;
+            shading.on[group] = 0;
+            if let Some(photo) = &self.photo
+                && hits != 0
+            {
+                let aside = l.mul(reached, advance);
+                let advances = if self.sector.major == 0 {
+                    [reached, aside]
+                } else {
+                    [aside, reached]
+                };
+                let located = photo.locate(l, hit, advances);
+                let on = l.bits(located.on);
+                shading.on[group] = on;
+                shading.rest[group] = hits & !on;
+                l.store_i(located.at, wave::group_mut(&mut shading.at, at));
+                l.store(located.east, wave::group_mut(&mut shading.east, at));
+                l.store(located.north, wave::group_mut(&mut shading.north, at));
+            }
+        }
+    }
+}
+
+/// The sky's colours along directions of which the sine of the angle over the horizon is `up`.
+#[inline(always)]
+fn sky_colours<L: Lanes>(l: L, up: L::F) -> L::I {
+    let zero = l.splat(0.0);
+    let over = l.le(zero, up);
+    let below = l.min(l.mul(up, l.splat(-1.0 / HAZE)), l.splat(1.0));
+    let share = l.select(
+        over,
+        l.sqrt(l.max(up, zero)),
+        l.mul(below, l.sub(l.splat(2.0), below)),
+    );
+    let mut colour = l.splat_i(255 << 24);
+    for k in 0..3 {
+        let far = l.select(over, l.splat(ZENITH[k]), l.splat(DEPTHS[k]));
+        let horizon = l.splat(HORIZON[k]);
+        let mixed = l.add(horizon, l.mul(l.sub(far, horizon), share));
+        let byte = l.to_int(l.add(mixed, l.splat(0.5)));
+        colour = l.add_i(colour, l.shl_i(byte, l.splat_i(8 * k as i32)));
+    }
+    colour
 }

@@ -2,29 +2,20 @@
 
 use super::climb::level_for;
 use super::field::Field;
-use super::wave::{Column, Wave};
-use crate::lanes::{LANES, Lanes, Sources};
+use super::wave::{CAPACITY, Column, Wave, group, group_mut};
+use crate::lanes::{LANES, Lanes};
 
 /// What one cell's passage needs between its loops.
-#[derive(Default)]
+#[repr(align(64))]
 pub(super) struct Passage {
-    /// The place of each ray's cell in its tile.
-    at: Column<i32>,
-    /// The tile of each group, and of each ray.
-    tile: Vec<i32>,
-    tiles: Column<i32>,
     posts: [Column<f32>; 4],
 }
 
-impl Passage {
-    pub(super) fn make_room(&mut self, rays: usize) {
-        let rays = rays + 2 * LANES;
-        self.at.make_room(rays);
-        self.tiles.make_room(rays);
-        for posts in &mut self.posts {
-            posts.make_room(rays);
+impl Default for Passage {
+    fn default() -> Self {
+        Self {
+            posts: [[0.0; CAPACITY]; 4],
         }
-        self.tile.resize(self.tile.len().max(rays / LANES + 1), 0);
     }
 }
 
@@ -53,8 +44,8 @@ fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4
 /// `reached`; those that leave the ground are dropped; those that end more than `near` metres over
 /// it go to `high`.
 ///
-/// Three loops, as each has so little between one group's begin and end that the processor works
-/// on several groups at once.
+/// Two loops, as each has so little between one group's begin and end that the processor works on
+/// several groups at once.
 #[inline(always)]
 pub(super) fn walk<L: Lanes>(
     l: L,
@@ -65,38 +56,15 @@ pub(super) fn walk<L: Lanes>(
     reached: &mut [f32],
     near: f32,
 ) {
-    let rays = wave.len();
     l.vectorize(
         #[inline(always)]
         || {
-            for at in (0..rays).step_by(LANES) {
-                let (place, number) = field.place(l, wave.cell(l, at));
-                l.store_i(place, passage.at.group_mut(at));
-                l.store_i(number, passage.tiles.group_mut(at));
-                let first = l.first_i(number, l.mask(u16::MAX));
-                let same = l.bits(l.eq_i(number, l.splat_i(first)));
-                let mask = wave.mask(at);
-                passage.tile[at / LANES] = if same & mask == mask { first } else { -1 };
-            }
-        },
-    );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            for at in (0..rays).step_by(LANES) {
-                let tile = passage.tile[at / LANES];
-                let tiles = if tile >= 0 {
-                    Sources::One(field.tiles.heights[tile as usize])
-                } else {
-                    each_tile(&field.tiles.heights, passage.tiles.group(at))
-                };
-                let posts = l.cells(
-                    &tiles,
-                    l.load_i(passage.at.group(at)),
-                    field.tiles.stride,
-                );
+            for at in (0..wave.len()).step_by(LANES) {
+                let heights = field.heights;
+                let place = field.place(l, wave.cell(l, at));
+                let posts = l.cells(&heights.items, place, heights.stride);
                 for (to, posts) in passage.posts.iter_mut().zip(posts) {
-                    l.store(posts, to.group_mut(at));
+                    l.store(posts, group_mut(to, at));
                 }
             }
         },
@@ -105,12 +73,6 @@ pub(super) fn walk<L: Lanes>(
         #[inline(always)]
         || pass(l, field, wave, high, passage, reached, near),
     );
-}
-
-/// The tiles of sixteen numbers.
-pub(super) fn each_tile<'a, T>(all: &[&'a [T]], numbers: &[i32; LANES]) -> Sources<'a, T> {
-    let last = all.len() - 1;
-    Sources::Each(numbers.map(|number| all[(number as u32 as usize).min(last)]))
 }
 
 #[inline(always)]
@@ -138,7 +100,7 @@ fn pass<L: Lanes>(
         let t = wave.t(l, at);
         let [major, minor] = wave.cell(l, at);
         let [sw, se, nw, ne] = &passage.posts;
-        let posts = [sw, se, nw, ne].map(|posts| posts.group(at));
+        let posts = [sw, se, nw, ne].map(|posts| group(posts, at));
         let [near, far_major, far_minor, both] = corners::<L>(
             field,
             [

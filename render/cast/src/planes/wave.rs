@@ -2,27 +2,24 @@
 
 use crate::lanes::{LANES, Lanes};
 
+/// Rays that a wave holds at most: a chunk of a step, what is left of earlier ones, and a group.
+pub(super) const CAPACITY: usize = CHUNK + 16 * LANES;
+
+/// Rays that set out at once at most.
+pub(super) const CHUNK: usize = 1024;
+
 /// One number of each ray.
-#[derive(Default)]
-pub(super) struct Column<T>(Vec<T>);
+pub(super) type Column<T> = [T; CAPACITY];
 
-impl<T: Copy + Default> Column<T> {
-    /// The numbers of the group that begins at ray `at`.
-    #[inline(always)]
-    pub(super) fn group(&self, at: usize) -> &[T; LANES] {
-        self.0[at..].first_chunk().expect("room was made")
-    }
+/// The numbers of the group that begins at ray `at`.
+#[inline(always)]
+pub(super) fn group<T>(column: &Column<T>, at: usize) -> &[T; LANES] {
+    column[at..].first_chunk().expect("there is room")
+}
 
-    #[inline(always)]
-    pub(super) fn group_mut(&mut self, at: usize) -> &mut [T; LANES] {
-        self.0[at..].first_chunk_mut().expect("room was made")
-    }
-
-    pub(super) fn make_room(&mut self, rays: usize) {
-        if self.0.len() < rays {
-            self.0.resize(rays, T::default());
-        }
-    }
+#[inline(always)]
+pub(super) fn group_mut<T>(column: &mut Column<T>, at: usize) -> &mut [T; LANES] {
+    column[at..].first_chunk_mut().expect("there is room")
 }
 
 /// Sixteen rays, all running up the major axis by a cell for each 1 of their parameter t.
@@ -40,7 +37,7 @@ pub(super) struct Ray<L: Lanes> {
 
 /// Rays on their way. Beside what a [`Ray`] is, each has its t and the mirrored cell that it is in
 /// there; and a level of blocks, where it skips blocks.
-#[derive(Default)]
+#[repr(align(64))]
 pub(super) struct Wave {
     len: usize,
     advance: Column<f32>,
@@ -54,28 +51,24 @@ pub(super) struct Wave {
     level: Column<i32>,
 }
 
-impl Wave {
-    pub(super) fn make_room(&mut self, rays: usize) {
-        let rays = rays + 2 * LANES;
-        for column in [
-            &mut self.advance,
-            &mut self.inverse,
-            &mut self.slope,
-            &mut self.leave,
-            &mut self.t,
-        ] {
-            column.make_room(rays);
-        }
-        for column in [
-            &mut self.id,
-            &mut self.major,
-            &mut self.minor,
-            &mut self.level,
-        ] {
-            column.make_room(rays);
+impl Default for Wave {
+    fn default() -> Self {
+        Self {
+            len: 0,
+            advance: [0.0; CAPACITY],
+            inverse: [0.0; CAPACITY],
+            slope: [0.0; CAPACITY],
+            leave: [0.0; CAPACITY],
+            id: [0; CAPACITY],
+            t: [0.0; CAPACITY],
+            major: [0; CAPACITY],
+            minor: [0; CAPACITY],
+            level: [0; CAPACITY],
         }
     }
+}
 
+impl Wave {
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.len
@@ -101,50 +94,50 @@ impl Wave {
     #[inline(always)]
     pub(super) fn ray<L: Lanes>(&self, l: L, at: usize) -> Ray<L> {
         Ray {
-            advance: l.load(self.advance.group(at)),
-            inverse: l.load(self.inverse.group(at)),
-            slope: l.load(self.slope.group(at)),
-            leave: l.load(self.leave.group(at)),
-            id: l.load_i(self.id.group(at)),
+            advance: l.load(group(&self.advance, at)),
+            inverse: l.load(group(&self.inverse, at)),
+            slope: l.load(group(&self.slope, at)),
+            leave: l.load(group(&self.leave, at)),
+            id: l.load_i(group(&self.id, at)),
         }
     }
 
     #[inline(always)]
     pub(super) fn t<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(self.t.group(at))
+        l.load(group(&self.t, at))
     }
 
     #[inline(always)]
     pub(super) fn advance<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(self.advance.group(at))
+        l.load(group(&self.advance, at))
     }
 
     #[inline(always)]
     pub(super) fn inverse<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(self.inverse.group(at))
+        l.load(group(&self.inverse, at))
     }
 
     #[inline(always)]
     pub(super) fn leave<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(self.leave.group(at))
+        l.load(group(&self.leave, at))
     }
 
     /// The mirrored cell that each ray is in.
     #[inline(always)]
     pub(super) fn cell<L: Lanes>(&self, l: L, at: usize) -> [L::I; 2] {
         [
-            l.load_i(self.major.group(at)),
-            l.load_i(self.minor.group(at)),
+            l.load_i(group(&self.major, at)),
+            l.load_i(group(&self.minor, at)),
         ]
     }
 
     #[inline(always)]
     pub(super) fn level<L: Lanes>(&self, l: L, at: usize) -> L::I {
-        l.load_i(self.level.group(at))
+        l.load_i(group(&self.level, at))
     }
 
     pub(super) fn ids(&self) -> &[i32] {
-        &self.id.0[..self.len]
+        &self.id[..self.len]
     }
 
     /// Writes the rays of `mask`, closed up, at `to`; gives where the next go.
@@ -158,14 +151,14 @@ impl Wave {
         t: L::F,
         [major, minor]: [L::I; 2],
     ) -> usize {
-        l.compress(mask, ray.advance, self.advance.group_mut(to));
-        l.compress(mask, ray.inverse, self.inverse.group_mut(to));
-        l.compress(mask, ray.slope, self.slope.group_mut(to));
-        l.compress(mask, ray.leave, self.leave.group_mut(to));
-        l.compress_i(mask, ray.id, self.id.group_mut(to));
-        l.compress(mask, t, self.t.group_mut(to));
-        l.compress_i(mask, major, self.major.group_mut(to));
-        l.compress_i(mask, minor, self.minor.group_mut(to));
+        l.compress(mask, ray.advance, group_mut(&mut self.advance, to));
+        l.compress(mask, ray.inverse, group_mut(&mut self.inverse, to));
+        l.compress(mask, ray.slope, group_mut(&mut self.slope, to));
+        l.compress(mask, ray.leave, group_mut(&mut self.leave, to));
+        l.compress_i(mask, ray.id, group_mut(&mut self.id, to));
+        l.compress(mask, t, group_mut(&mut self.t, to));
+        l.compress_i(mask, major, group_mut(&mut self.major, to));
+        l.compress_i(mask, minor, group_mut(&mut self.minor, to));
         to + l.bits(mask).count_ones() as usize
     }
 
@@ -182,7 +175,7 @@ impl Wave {
         cell: [L::I; 2],
         level: L::I,
     ) -> usize {
-        l.compress_i(mask, level, self.level.group_mut(to));
+        l.compress_i(mask, level, group_mut(&mut self.level, to));
         self.put(l, to, mask, ray, t, cell)
     }
 }

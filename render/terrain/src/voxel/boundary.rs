@@ -74,7 +74,7 @@ impl BoundaryArray {
     ) -> Vec<[i16; 2]> {
         debug_assert_eq!(cols.start, index.col * TILE_CELLS);
         let posts = ground.heights().tile_posts(index);
-        let stride = cols.len() + 1;
+        let stride = ground.heights().tile_stride();
         Self::tile_spans(cols.len(), rows.len(), |col, row| {
             shape.first_above(posts[row * stride + col]) as i16
         })

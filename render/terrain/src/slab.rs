@@ -1,0 +1,230 @@
+//! Memory in equal slots: tiles that lie in one piece, however they come and go.
+
+use bytemuck::Zeroable;
+use std::cell::UnsafeCell;
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Memory for a number of equal slots.
+///
+/// A slot is written by its only owner and, once shared, never changed: so whoever holds it may
+/// read it while others write elsewhere.
+pub struct Slab<T> {
+    items: Box<[UnsafeCell<T>]>,
+    slot_len: usize,
+    free: Mutex<Vec<u32>>,
+}
+
+// SAFETY: items are reached through slots only. A slot's owner alone changes them, through `&mut`;
+// shared slots are read only.
+#[allow(unsafe_code, reason = "the module's purpose")]
+unsafe impl<T: Send + Sync> Sync for Slab<T> {}
+
+impl<T: Copy + Zeroable> Slab<T> {
+    /// Memory for `slots` slots of `slot_len` items. What is not used takes no room yet.
+    #[must_use]
+    pub fn new(slots: usize, slot_len: usize) -> Arc<Self> {
+        let items = bytemuck::zeroed_slice_box::<T>(slots * slot_len);
+        let pointer = Box::into_raw(items) as *mut [UnsafeCell<T>];
+        // SAFETY: a cell has the layout of what it holds, and the box is ours.
+        #[allow(unsafe_code, reason = "the module's purpose")]
+        let items = unsafe { Box::from_raw(pointer) };
+        Arc::new(Self {
+            items,
+            slot_len,
+            // Handed out from the end: in order.
+            free: Mutex::new((0..slots as u32).rev().collect()),
+        })
+    }
+
+    /// A free slot, or `None` where all are used. It holds zeros or what was there before.
+    #[must_use]
+    pub fn take(self: &Arc<Self>) -> Option<Slot<T>> {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = free.pop()?;
+        Some(Slot {
+            slab: Arc::clone(self),
+            index,
+        })
+    }
+}
+
+impl<T> Slab<T> {
+    /// Number of slots.
+    #[must_use]
+    pub fn slots(&self) -> usize {
+        self.items.len() / self.slot_len
+    }
+
+    /// Items in a slot.
+    #[must_use]
+    pub fn slot_len(&self) -> usize {
+        self.slot_len
+    }
+
+}
+
+/// One slot's items. Its memory is free again when it is dropped.
+pub struct Slot<T> {
+    slab: Arc<Slab<T>>,
+    index: u32,
+}
+
+impl<T> Slot<T> {
+    /// Its number in the slab.
+    #[must_use]
+    pub fn index(&self) -> u32 {
+        self.index
+    }
+
+    /// Whether it lies in `slab`.
+    #[must_use]
+    pub fn is_of(&self, slab: &Arc<Slab<T>>) -> bool {
+        Arc::ptr_eq(&self.slab, slab)
+    }
+
+    /// Its items, to be changed.
+    pub fn items_mut(&mut self) -> &mut [T] {
+        let begin = self.index as usize * self.slab.slot_len;
+        let cells = &self.slab.items[begin..begin + self.slab.slot_len];
+        // SAFETY: the slot is this one's alone, and it is borrowed alone.
+        #[allow(unsafe_code, reason = "the module's purpose")]
+        unsafe {
+            std::slice::from_raw_parts_mut(UnsafeCell::raw_get(cells.as_ptr()), cells.len())
+        }
+    }
+}
+
+impl<T> Deref for Slot<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        let begin = self.index as usize * self.slab.slot_len;
+        let cells = &self.slab.items[begin..begin + self.slab.slot_len];
+        // SAFETY: the slot is this one's alone, and nobody changes it while it is borrowed.
+        #[allow(unsafe_code, reason = "the module's purpose")]
+        unsafe {
+            std::slice::from_raw_parts(cells.as_ptr().cast(), cells.len())
+        }
+    }
+}
+
+impl<T> Drop for Slot<T> {
+    fn drop(&mut self) {
+        let mut free = self
+            .slab
+            .free
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        free.push(self.index);
+    }
+}
+
+impl<T> std::fmt::Debug for Slot<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "slot {}", self.index)
+    }
+}
+
+impl<T> std::fmt::Debug for Slab<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} slots of {}", self.slots(), self.slot_len)
+    }
+}
+
+/// Some slots of a slab, held while they are read: the tiles of a raster, in their order.
+///
+/// A place in it is a slot's number times the slots' length, and a place within the slot.
+pub struct SlabView<'a, T> {
+    slab: &'a Slab<T>,
+    /// The slots by their numbers in the slab, empty where they are not of the view.
+    slots: Vec<&'a [T]>,
+    bases: Vec<u32>,
+}
+
+impl<'a, T> SlabView<'a, T> {
+    /// A view of `slots`, which are the slab's.
+    pub fn new(slab: &'a Slab<T>, slots: impl IntoIterator<Item = &'a Slot<T>>) -> Self {
+        let mut view = Self {
+            slab,
+            slots: vec![&[]; slab.slots()],
+            bases: Vec::new(),
+        };
+        for slot in slots {
+            assert!(std::ptr::eq(&*slot.slab, slab), "a slot of this slab");
+            view.slots[slot.index as usize] = slot;
+            view.bases.push(slot.index * slab.slot_len as u32);
+        }
+        view
+    }
+
+    /// Where each slot of the view begins.
+    #[must_use]
+    pub fn bases(&self) -> &[u32] {
+        &self.bases
+    }
+
+    /// Where the slots of the view begin, if one begins where the one before it ends: then slot n
+    /// begins at n times [`SlabView::slot_len`].
+    #[must_use]
+    pub fn is_in_order(&self) -> bool {
+        let mut places = (0..).step_by(self.slab.slot_len);
+        self.bases.iter().all(|&base| places.next() == Some(base))
+    }
+
+    /// Items in a slot.
+    #[must_use]
+    pub fn slot_len(&self) -> usize {
+        self.slab.slot_len
+    }
+
+    /// The items from `place` on to the end of the slot that it lies in.
+    #[inline]
+    #[must_use]
+    pub fn from_place(&self, place: u32) -> &'a [T] {
+        let len = self.slab.slot_len as u32;
+        &self.slots[(place / len) as usize][(place % len) as usize..]
+    }
+
+    /// Number of items, of the view and others.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.slab.items.len()
+    }
+
+    /// Whether there is nothing at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.slab.items.is_empty()
+    }
+
+    /// Where place 0 lies in memory. Only items of the view's own slots may be read: others may be
+    /// changing.
+    #[must_use]
+    pub fn as_ptr(&self) -> *const T {
+        self.slab.items.as_ptr().cast()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_are_apart_and_come_back() {
+        let slab = Slab::<u32>::new(3, 10);
+        let mut slots: Vec<_> = (0..3).map(|_| slab.take().expect("free")).collect();
+        assert!(slab.take().is_none());
+        for (k, slot) in slots.iter_mut().enumerate() {
+            assert_eq!(slot.index(), k as u32);
+            slot.items_mut().fill(k as u32 + 1);
+        }
+        for (k, slot) in slots.iter().enumerate() {
+            assert!(slot.iter().all(|&item| item == k as u32 + 1) && slot.len() == 10);
+        }
+        slots.remove(1);
+        let again = slab.take().expect("it came back");
+        assert_eq!(again.index(), 1);
+        assert_eq!(slots[0][0], 1);
+    }
+}
