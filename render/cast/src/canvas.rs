@@ -1,6 +1,7 @@
 //! An image that several threads fill at once.
 
 use crate::Image;
+use crate::lanes::{LANES, Lanes};
 use std::sync::atomic::{AtomicU32, Ordering};
 use zerocopy::FromBytes;
 
@@ -33,6 +34,17 @@ impl<'a> Canvas<'a> {
         let at = j as usize * self.width + i as usize;
         self.colour[at].store(u32::from_ne_bytes([r, g, b, 255]), Ordering::Relaxed);
         self.depth[at].store(depth.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Asks for the memory of pixels side by side from (i, j) on, to be written soon.
+    #[inline(always)]
+    pub(crate) fn prefetch<L: Lanes>(&self, l: L, [i, j]: [u32; 2], count: usize) {
+        let from = j as usize * self.width + i as usize;
+        // A cache line has sixteen pixels.
+        for at in (from..from + count).step_by(LANES) {
+            l.prefetch_write(self.colour, at);
+            l.prefetch_write(self.depth, at);
+        }
     }
 
     /// Sets pixels side by side, from (i, j) on: as many as there are depths.

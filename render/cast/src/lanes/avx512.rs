@@ -380,6 +380,23 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn prefetch_write<T>(self, items: &[T], at: usize) {
+        on_values!(_mm_prefetch::<_MM_HINT_ET0>(
+            items.as_ptr().wrapping_add(at).cast()
+        ));
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &SlabView<'_, T>, at: __m512i) {
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(at);
+        for k in (0..LANES).step_by(4) {
+            let place = items.as_ptr().wrapping_add(places.lane(k));
+            on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
+        }
+    }
+
+    #[inline(always)]
     fn transpose(self, rows: [__m512i; LANES]) -> [__m512i; LANES] {
         on_values!(transposed(rows))
     }

@@ -90,6 +90,10 @@ pub(crate) trait Lanes: Copy {
     fn compress(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]);
     fn compress_i(self, mask: Self::M, value: Self::I, to: &mut [i32; LANES]);
 
+    /// Asks for the memory of an item, to be written soon.
+    fn prefetch_write<T>(self, items: &[T], at: usize);
+    /// Asks for the memory of every fourth lane's place, to be read soon.
+    fn prefetch<T>(self, items: &SlabView<'_, T>, at: Self::I);
     /// Columns for rows.
     fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
 

@@ -231,6 +231,12 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn prefetch_write<T>(self, _: &[T], _: usize) {}
+
+    #[inline(always)]
+    fn prefetch<T>(self, _: &SlabView<'_, T>, _: I) {}
+
+    #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
         each(|col| each(|row| rows[row][col]))
     }

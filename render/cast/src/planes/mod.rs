@@ -147,7 +147,7 @@ impl UnitCaster for PlanesScene {
             steepest: self.steepest,
             code_base: self.maxima.base,
             code_step: self.maxima.step,
-            near: std::env::var("NEAR").ok().and_then(|x| x.parse().ok()).unwrap_or(2.0f32) * grid.cell_length() as f32,
+            near: 3.0 * grid.cell_length() as f32,
         })
     }
 

@@ -30,6 +30,26 @@ impl PixelBlock {
         self.lanes.clear();
     }
 
+    /// Asks for the memory of the pixels of a step, or of a sixteenth of the rows of sixteen.
+    #[inline(always)]
+    pub(super) fn prefetch<L: Lanes>(
+        l: L,
+        canvas: &Canvas<'_>,
+        sector: &Sector,
+        step: u32,
+        lanes: [i32; 2],
+    ) {
+        let at = sector.image_step(step);
+        if sector.step_axis == 1 {
+            canvas.prefetch(l, [lanes[0] as u32, at], (lanes[1] - lanes[0]) as usize);
+            return;
+        }
+        let first = lanes[0] + step as i32 % STEPS as i32;
+        for lane in (first..lanes[1]).step_by(STEPS) {
+            canvas.prefetch(l, [at, lane as u32], 1);
+        }
+    }
+
     /// Where a step's numbers go, from lane `first` on.
     pub(super) fn lanes_mut(&mut self, step: u32, first: i32) -> (&mut [i32], &mut [f32]) {
         let begin = step as usize % STEPS * self.width;

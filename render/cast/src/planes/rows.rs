@@ -63,7 +63,7 @@ fn first_lanes(count: i32) -> u16 {
 /// along the major and the minor axis, both in the direction in which rays run, and metres up.
 pub(super) struct Directions {
     first: DVec3,
-    step: DVec3,
+    pub(super) step: DVec3,
     pub(super) lane: DVec3,
 }
 
@@ -134,7 +134,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     tally: &mut T,
 ) {
     let width = frame.rays.size[1 - sector.step_axis] as usize;
-    let room = width + 2 * MARGIN + LANES;
+    // A power of two, so that the step of a ray is quickly told from where its number lies.
+    let room = (width + 2 * MARGIN + LANES).next_power_of_two();
     let march = March::new(l, frame, sector, room);
     scratch.lanes = [[0, 0]; MEMORY];
     for numbers in [
@@ -216,14 +217,9 @@ impl<'a, L: Lanes> March<'a, L> {
     /// that is not steeper than `steepest` cannot come between them. What that ray passed over is
     /// passed over by the group's rays then.
     #[inline(always)]
-    fn predecessor(&self, step: u32, first: i32, last: i32) -> Option<Predecessor> {
+    fn predecessor(&self, step: u32, slope: [f64; 2], first: i32, last: i32) -> Option<Predecessor> {
         let ends = [first, last].map(|lane| self.directions.at(step, lane));
-        let middle = 0.5 * f64::from(first + last);
-        let [along, across, w] = self.vertical;
-        // Towards the vanishing point: steps back, and lanes aside.
-        let back = f64::from(step) * w - along;
-        let aside = across - middle * w;
-        let slope = aside / back.abs();
+        let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
         let Directions { step: u, lane: v, .. } = self.directions;
         for steps in 1..=MEMORY.min(step as usize) - usize::from(MEMORY <= step as usize) {
             let lanes = (slope * steps as f64).round();
@@ -258,10 +254,10 @@ impl<'a, L: Lanes> March<'a, L> {
     fn first_open(&self, step: u32, scratch: &Scratch) -> u32 {
         let open = scratch.low.ids().iter().chain(scratch.high.ids());
         let steps_back = open.map(|&id| {
-            let slot = id as usize / self.room;
-            (step as usize + MEMORY - slot) % MEMORY
+            let slot = id as u32 >> self.room.trailing_zeros();
+            step.wrapping_sub(slot) % MEMORY as u32
         });
-        steps_back.max().map_or(step + 1, |back| step - back as u32)
+        steps_back.max().map_or(step + 1, |back| step - back)
     }
 
     /// Colours steps from `from` to before `to`; gives where to go on.
@@ -289,6 +285,7 @@ impl<'a, L: Lanes> March<'a, L> {
                     advance: &scratch.advance[numbers.clone()],
                     slope: &scratch.slope[numbers],
                 };
+                PixelBlock::prefetch(self.l, canvas, self.sector, step, [first, first + count as i32]);
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
             }
@@ -376,6 +373,11 @@ impl<'a, L: Lanes> March<'a, L> {
         let near_limit = l.splat(self.frame.near);
         let inverse_near = l.splat(1.0 / self.frame.near);
         let highest_level = l.splat_i(TOP as i32);
+        // Towards the vanishing point: lanes aside for each step back, as an affine function of
+        // the lane.
+        let [along, across, w] = self.vertical;
+        let back = (f64::from(step) * w - along).abs();
+        let towards = [across / back, -w / back];
         let slot = self.slot(step);
         let (mut low_end, mut high_end) = (scratch.low.len(), scratch.high.len());
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
@@ -415,7 +417,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 id: l.add_i(lane_numbers, l.splat_i(at as i32)),
             };
             let mut fresh = ok;
-            if let Some(before) = self.predecessor(step, first, first + count - 1) {
+            if let Some(before) = self.predecessor(step, towards, first, first + count - 1) {
                 let before_step = step - before.steps as u32;
                 let lanes = scratch.lanes[before_step as usize % MEMORY];
                 // Those whose predecessors are the sector's.

@@ -195,10 +195,19 @@ pub(super) struct Shader<'a> {
     photo: Option<Mapped<'a>>,
     /// Metres a cell along the major and the minor axis.
     metres: [f64; 2],
+    field: &'a Field<'a>,
+    /// Whether the ground is too large for the processor's nearer caches.
+    large: bool,
 }
 
+/// How many cells ahead of a hit memory is asked for.
+const AHEAD: f32 = 10.0;
+
+/// Posts and colours of which grounds stay in a core's own cache.
+const SMALL: usize = 1 << 18;
+
 impl<'a> Shader<'a> {
-    pub(super) fn new(frame: &'a Frame<'a>, sector: &'a Sector, field: &Field<'_>) -> Self {
+    pub(super) fn new(frame: &'a Frame<'a>, sector: &'a Sector, field: &'a Field<'a>) -> Self {
         let [x, y] = field.x_y().map(|axis| axis.sign);
         let spacing = frame.ground.grid().spacing;
         let metres = if sector.major == 0 {
@@ -214,6 +223,44 @@ impl<'a> Shader<'a> {
                 .photo()
                 .map(|photo| Mapped::new(photo, frame, [x, y])),
             metres,
+            field,
+            large: frame.heights.items.len() > 2 * SMALL,
+        }
+    }
+
+    /// Asks for the ground that the next step's rays will meet behind a group's hits: as many rows
+    /// of posts as they will pass.
+    #[inline(always)]
+    fn prefetch<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        at: usize,
+        hit: L::M,
+        reached: L::F,
+        advance: L::F,
+    ) {
+        let from = chunk.directions.at(chunk.step, chunk.first + at as i32);
+        let to = from + chunk.directions.step;
+        let rise = (to.z / to.x - from.z / from.x) / (from.z / from.x).abs();
+        let rows = (f64::from(chunk.reached[at].abs()) * rise).clamp(1.0, 6.0) as u32;
+        let none = l.splat(0.0);
+        for row in 0..rows {
+            let t = l.add(reached, l.splat(AHEAD + row as f32));
+            let t = l.select(hit, t, none);
+            let place = self.field.place(l, self.field.cell_at(l, t, advance));
+            l.prefetch(&self.field.heights.items, place);
+            if let Some(photo) = &self.photo {
+                let aside = l.mul(t, advance);
+                let advances = if self.sector.major == 0 {
+                    [t, aside]
+                } else {
+                    [aside, t]
+                };
+                let (x, _, _) = photo.x.locate(l, advances[0]);
+                let (y, _, _) = photo.y.locate(l, advances[1]);
+                l.prefetch(&photo.tiles.items, photo.tiles.place(l, x, y));
+            }
         }
     }
 
@@ -338,6 +385,9 @@ impl<'a> Shader<'a> {
             shading.sky[group] = mask & !hits;
             shading.rest[group] = hits;
             shading.on[group] = 0;
+            if self.large && hits != 0 {
+                self.prefetch(l, chunk, at, hit, reached, advance);
+            }
             if let Some(photo) = &self.photo
                 && hits != 0
             {

@@ -151,6 +151,18 @@ impl Wave {
         t: L::F,
         [major, minor]: [L::I; 2],
     ) -> usize {
+        if l.bits(mask) == u16::MAX {
+            // All of them: the usual case for rays that set out, and it needs no closing up.
+            l.store(ray.advance, group_mut(&mut self.advance, to));
+            l.store(ray.inverse, group_mut(&mut self.inverse, to));
+            l.store(ray.slope, group_mut(&mut self.slope, to));
+            l.store(ray.leave, group_mut(&mut self.leave, to));
+            l.store_i(ray.id, group_mut(&mut self.id, to));
+            l.store(t, group_mut(&mut self.t, to));
+            l.store_i(major, group_mut(&mut self.major, to));
+            l.store_i(minor, group_mut(&mut self.minor, to));
+            return to + LANES;
+        }
         l.compress(mask, ray.advance, group_mut(&mut self.advance, to));
         l.compress(mask, ray.inverse, group_mut(&mut self.inverse, to));
         l.compress(mask, ray.slope, group_mut(&mut self.slope, to));
