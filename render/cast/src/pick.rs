@@ -1,6 +1,7 @@
-//! Picking: a single ray, for whoever points at the ground.
+//! Picking: a single ray, for whoever points at the ground or doubts a pixel.
 
 use crate::intersect::GridFrame;
+use crate::shade::{Sight, sight_at};
 use crate::tally::Uncounted;
 use glam::DVec3;
 use sandtable_terrain::Ground;
@@ -15,15 +16,28 @@ pub fn pick(ground: &Ground, ray: &Ray) -> Option<DVec3> {
     if !proper {
         return None;
     }
+    let hit = first_hit(ground, ray)?;
+    Some(ray.origin + hit * ray.direction)
+}
+
+/// What brute force sees along `ray`, which must be one: its origin finite, its direction finite
+/// and not zero. Through a pixel's centre it is that pixel's colour and, but for the rounding to
+/// f32, its depth.
+#[must_use]
+pub fn sight(ground: &Ground, ray: &Ray) -> Sight {
+    sight_at(ground, ray, first_hit(ground, ray))
+}
+
+fn first_hit(ground: &Ground, ray: &Ray) -> Option<f64> {
     let grid = GridFrame::new(ground);
     let clipped = grid.clip(ray)?;
-    let hit = clipped.first_hit(clipped.enter, &mut Uncounted)?;
-    Some(ray.origin + hit * ray.direction)
+    clipped.first_hit(clipped.enter, &mut Uncounted)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Brute, CastPool, Scene, standpoints};
     use sandtable_terrain::TerrainSource;
 
     fn ground() -> Ground {
@@ -46,6 +60,23 @@ mod tests {
             let height = ground.height_at(hit.x, hit.y).unwrap();
             assert!((hit.z - height).abs() < 1e-6, "{hit} is not at {height}");
             assert!((hit - from).cross(direction).length() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_sight_is_the_pixel_that_brute_force_casts() {
+        let scene = Scene::new(ground());
+        let pool = CastPool::new(2).unwrap();
+        for at in standpoints::level(&scene.ground, [24, 18]) {
+            let image = pool.picture(&Brute, &scene, at.view).unwrap();
+            for j in 0..18 {
+                for i in 0..24 {
+                    let sight = sight(&scene.ground, &at.view.ray(i, j));
+                    let pixel = (j * 24 + i) as usize;
+                    assert_eq!(image.depth[pixel], sight.depth as f32);
+                    assert_eq!(image.colour()[pixel][..3], sight.colour);
+                }
+            }
         }
     }
 

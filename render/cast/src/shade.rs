@@ -2,8 +2,35 @@
 
 use crate::canvas::Canvas;
 use glam::{DVec3, Vec4};
-use sandtable_terrain::{Ground, TiledRaster};
+use sandtable_terrain::{Ground, Rgb, TiledRaster};
 use sandtable_view::Ray;
+
+/// What a ray sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// The colour of the ground, or of the sky (sRGB-encoded).
+    pub colour: Rgb,
+    /// Metres in the world from the ray's origin along it; +∞ for sky.
+    pub depth: f64,
+}
+
+/// What `ray` sees: the ground at `hit`, or the sky.
+#[inline]
+pub(crate) fn sight_at(ground: &Ground, ray: &Ray, hit: Option<f64>) -> Sight {
+    match hit {
+        Some(t) => {
+            let p = ray.origin + t * ray.direction;
+            Sight {
+                colour: ground.colour_at(p.x, p.y),
+                depth: t * ray.direction.length(),
+            }
+        }
+        None => Sight {
+            colour: sky(ray.direction),
+            depth: f64::INFINITY,
+        },
+    }
+}
 
 /// Writes what `ray` sees into a pixel: the ground's colour and depth at `hit`, or the sky.
 #[inline]
@@ -14,14 +41,8 @@ pub(crate) fn shade(
     ray: &Ray,
     hit: Option<f64>,
 ) {
-    match hit {
-        Some(t) => {
-            let p = ray.origin + t * ray.direction;
-            let depth = t * ray.direction.length();
-            canvas.set(pixel, ground.colour_at(p.x, p.y), depth as f32);
-        }
-        None => canvas.set(pixel, sky(ray.direction), f32::INFINITY),
-    }
+    let Sight { colour, depth } = sight_at(ground, ray, hit);
+    canvas.set(pixel, colour, depth as f32);
 }
 
 /// The colour of pre-textured voxel columns at a place in posts, bilinear (papers' row W2).
