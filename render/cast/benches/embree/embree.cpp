@@ -1,0 +1,294 @@
+// Embree as a caster of terrain: what sandtable's casters are measured against.
+//
+// Reads requests, a line each, on standard input and answers each with a line on standard output.
+// Numbers behind a line are binary, in the machine's byte order. World frame: metres, x east,
+// y north, z up; row 0 of a terrain is south, row 0 of an image is its top.
+//
+//   terrain COLS ROWS DX DY   and COLS * ROWS heights (float), then as many colours (R, G, B, any)
+//                             -> terrain BYTES            held for vertices and colours
+//   build grid|triangles      -> built MS BYTES PEAK      on one thread; Embree's own memory, with
+//                                                         the triangles' indices
+//   view W H, then eye, direction through the centre of pixel (0, 0), step a column, step a row
+//                             -> view                     twelve numbers
+//   frame grid|triangles N    -> frame MS                 on N pinned threads
+//   depth                     -> depth BYTES              and W * H floats: metres along the ray
+//
+// A frame traces packets of 4 by 4 pixels, coherent, in tiles of 16 by 16 that the threads take in
+// turn, and writes colour (one bilinear fetch a hit) and depth of each pixel.
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <iostream>
+#include <latch>
+#include <map>
+#include <sched.h>
+#include <string>
+#include <thread>
+#include <vector>
+#ifdef __SSE__
+#include <pmmintrin.h>
+#endif
+
+struct Vertex {
+    float x, y, z;
+};
+
+struct Terrain {
+    int cols, rows;
+    float dx, dy;
+    std::vector<Vertex> vertices;
+    std::vector<uint32_t> colours;
+};
+
+struct View {
+    int width = 0, height = 0;
+    float eye[3], corner[3], right[3], down[3];
+};
+
+// Both sides are rounded up to whole packets.
+struct Image {
+    int stride = 0;
+    std::vector<uint32_t> colour;
+    std::vector<float> depth;
+};
+
+// One word a pixel of a packet.
+typedef float Floats __attribute__((vector_size(64)));
+typedef int32_t Ints __attribute__((vector_size(64)));
+typedef uint32_t Words __attribute__((vector_size(64)));
+
+static const int TILE = 16, PACKET = 4;
+static const uint32_t SKY = 0xffe8d8c8, OPAQUE = 0xff000000;
+
+static std::atomic<long> held{0}, peak{0};
+
+static bool count_memory(void *, ssize_t bytes, bool) {
+    long now = held += bytes;
+    for (long before = peak; now > before && !peak.compare_exchange_weak(before, now);) {}
+    return true;
+}
+
+static double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Binds the calling thread to the k-th of the processors that the program was started with, and
+// lets it take denormal numbers for zero, as Embree asks. A thread inherits the binding of the one
+// that starts it, so each binds itself.
+static void set_up_thread(int k) {
+    static const cpu_set_t allowed = [] {
+        cpu_set_t set;
+        sched_getaffinity(0, sizeof set, &set);
+        return set;
+    }();
+    for (int cpu = 0, left = k % CPU_COUNT(&allowed); cpu < CPU_SETSIZE; cpu++) {
+        if (CPU_ISSET(cpu, &allowed) && left-- == 0) {
+            cpu_set_t one;
+            CPU_ZERO(&one);
+            CPU_SET(cpu, &one);
+            sched_setaffinity(0, sizeof one, &one);
+        }
+    }
+#ifdef __SSE__
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+#endif
+}
+
+static RTCScene build(RTCDevice device, Terrain &terrain, bool as_grid) {
+    size_t posts = terrain.vertices.size();
+    RTCGeometry geometry =
+        rtcNewGeometry(device, as_grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               terrain.vertices.data(), 0, sizeof(Vertex), posts);
+    if (as_grid) {
+        auto *grid = static_cast<RTCGrid *>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1));
+        *grid = {0, unsigned(terrain.cols), uint16_t(terrain.cols), uint16_t(terrain.rows)};
+    } else {
+        size_t cells = size_t(terrain.cols - 1) * (terrain.rows - 1);
+        auto *index = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), 2 * cells));
+        for (int row = 0; row + 1 < terrain.rows; row++)
+            for (int col = 0; col + 1 < terrain.cols; col++) {
+                unsigned sw = row * terrain.cols + col, se = sw + 1, nw = sw + terrain.cols;
+                for (unsigned corner : {sw, se, nw, se, nw + 1, nw}) *index++ = corner;
+            }
+    }
+    rtcCommitGeometry(geometry);
+    RTCScene scene = rtcNewScene(device);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    return scene;
+}
+
+// The colours of 16 places in posts, bilinear.
+static Words mixed_colours(const Terrain &terrain, Floats x, Floats y) {
+    const float last_col = terrain.cols - 1.001f, last_row = terrain.rows - 1.001f;
+    x = x > 0 ? x : 0, x = x < last_col ? x : last_col;
+    y = y > 0 ? y : 0, y = y < last_row ? y : last_row;
+    Ints col = __builtin_convertvector(x, Ints), row = __builtin_convertvector(y, Ints);
+    Floats u = x - __builtin_convertvector(col, Floats), v = y - __builtin_convertvector(row, Floats);
+    Words sw, se, nw, ne, mixed = OPAQUE - Words{};
+    Ints at = row * terrain.cols + col;
+    const uint32_t *south = terrain.colours.data(), *north = south + terrain.cols;
+    for (int k = 0; k < 16; k++) {
+        sw[k] = south[at[k]], se[k] = south[at[k] + 1];
+        nw[k] = north[at[k]], ne[k] = north[at[k] + 1];
+    }
+    for (int shift = 0; shift < 24; shift += 8) {
+        auto channel = [shift](Words texels) {
+            return __builtin_convertvector(Ints(texels >> shift & 255), Floats);
+        };
+        Floats below = channel(sw) + (channel(se) - channel(sw)) * u;
+        Floats above = channel(nw) + (channel(ne) - channel(nw)) * u;
+        mixed |= Words(__builtin_convertvector(below + (above - below) * v + 0.5f, Ints)) << shift;
+    }
+    return mixed;
+}
+
+// Casts the packet of pixels from (x0, y0) on.
+static void cast_packet(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int x0,
+                        int y0, RTCIntersectContext &context) {
+    const Ints lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    Ints i = x0 + (lane & 3), j = y0 + (lane >> 2);
+    alignas(64) Ints valid = (i < view.width) & (j < view.height);
+    Floats x = __builtin_convertvector(i, Floats), y = __builtin_convertvector(j, Floats), d[3];
+    for (int k = 0; k < 3; k++) d[k] = view.corner[k] + x * view.right[k] + y * view.down[k];
+
+    RTCRayHit16 rays;
+    auto set = [](auto &field, auto value) { std::memcpy(field, &value, sizeof value); };
+    set(rays.ray.org_x, view.eye[0] - Floats{});
+    set(rays.ray.org_y, view.eye[1] - Floats{});
+    set(rays.ray.org_z, view.eye[2] - Floats{});
+    set(rays.ray.dir_x, d[0]);
+    set(rays.ray.dir_y, d[1]);
+    set(rays.ray.dir_z, d[2]);
+    set(rays.ray.tnear, Floats{});
+    set(rays.ray.tfar, INFINITY - Floats{});
+    set(rays.ray.time, Floats{});
+    set(rays.ray.mask, ~Words{});
+    set(rays.ray.id, Words{});
+    set(rays.ray.flags, Words{});
+    set(rays.hit.geomID, RTC_INVALID_GEOMETRY_ID - Words{});
+    set(rays.hit.instID[0], RTC_INVALID_GEOMETRY_ID - Words{});
+    rtcIntersect16(reinterpret_cast<int *>(&valid), scene, &context, &rays);
+
+    Floats reach, metres;
+    std::memcpy(&reach, rays.ray.tfar, sizeof reach);
+    Ints hit = reach < INFINITY;
+    Floats t = hit ? reach : 0;
+    Words colour = mixed_colours(terrain, (view.eye[0] + t * d[0]) / terrain.dx,
+                                 (view.eye[1] + t * d[1]) / terrain.dy);
+    colour = hit ? colour : SKY - Words{};
+    // Directions are not of length 1, so what Embree found is in multiples of their lengths.
+    Floats squares = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    for (int k = 0; k < 16; k++) metres[k] = reach[k] * std::sqrt(squares[k]);
+
+    for (int row = 0; row < PACKET; row++) {
+        size_t at = size_t(y0 + row) * image.stride + x0;
+        std::memcpy(&image.colour[at], reinterpret_cast<uint32_t *>(&colour) + PACKET * row, 4 * PACKET);
+        std::memcpy(&image.depth[at], reinterpret_cast<float *>(&metres) + PACKET * row, 4 * PACKET);
+    }
+}
+
+static void cast_tile(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int x0,
+                      int y0) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (int y = y0; y < std::min(y0 + TILE, view.height); y += PACKET)
+        for (int x = x0; x < std::min(x0 + TILE, view.width); x += PACKET)
+            cast_packet(scene, terrain, view, image, x, y, context);
+}
+
+// Casts a frame and returns its milliseconds; the threads are there before the clock starts.
+static double cast(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int threads) {
+    int across = (view.width + TILE - 1) / TILE, down = (view.height + TILE - 1) / TILE;
+    std::atomic<int> next{0};
+    std::latch ready(threads);
+    std::chrono::steady_clock::time_point begin;
+    auto work = [&](int k) {
+        set_up_thread(k);
+        ready.arrive_and_wait();
+        if (k == 0) begin = std::chrono::steady_clock::now();
+        for (int tile; (tile = next++) < across * down;)
+            cast_tile(scene, terrain, view, image, tile % across * TILE, tile / across * TILE);
+    };
+    std::vector<std::thread> others;
+    for (int k = 1; k < threads; k++) others.emplace_back(work, k);
+    work(0);
+    for (auto &thread : others) thread.join();
+    return milliseconds_since(begin);
+}
+
+template <class T> static void read(std::vector<T> &into) {
+    std::cin.read(reinterpret_cast<char *>(into.data()), into.size() * sizeof(T));
+}
+
+int main() {
+    std::ios::sync_with_stdio(false);
+    set_up_thread(0);
+    RTCDevice device = rtcNewDevice("threads=1");
+    rtcSetDeviceMemoryMonitorFunction(device, count_memory, nullptr);
+    Terrain terrain;
+    View view;
+    Image image;
+    std::map<std::string, RTCScene> scenes;
+    std::string request, kind;
+    while (std::cin >> request) {
+        if (request == "terrain") {
+            std::cin >> terrain.cols >> terrain.rows >> terrain.dx >> terrain.dy;
+            std::cin.get();
+            size_t posts = size_t(terrain.cols) * terrain.rows;
+            // One vertex and one row of colours more than there are: Embree loads 16 bytes a
+            // vertex, and the colours north and east of the last are fetched with weight 0.
+            terrain.vertices.reserve(posts + 1);
+            terrain.colours.resize(posts);
+            std::vector<float> heights(terrain.cols);
+            for (int row = 0; row < terrain.rows; row++) {
+                read(heights);
+                for (int col = 0; col < terrain.cols; col++)
+                    terrain.vertices.push_back({col * terrain.dx, row * terrain.dy, heights[col]});
+            }
+            read(terrain.colours);
+            std::cout << "terrain " << posts * (sizeof(Vertex) + sizeof(uint32_t));
+        } else if (request == "build" && std::cin >> kind) {
+            long before = held;
+            peak = before;
+            auto begin = std::chrono::steady_clock::now();
+            scenes[kind] = build(device, terrain, kind == "grid");
+            double time = milliseconds_since(begin);
+            std::cout << "built " << time << ' ' << held - before << ' ' << peak - before;
+        } else if (request == "view") {
+            std::cin >> view.width >> view.height;
+            for (float *vector : {view.eye, view.corner, view.right, view.down})
+                std::cin >> vector[0] >> vector[1] >> vector[2];
+            image.stride = (view.width + PACKET - 1) / PACKET * PACKET;
+            image.colour.resize(size_t(image.stride) * ((view.height + PACKET - 1) / PACKET * PACKET));
+            image.depth.resize(image.colour.size());
+            std::cout << "view";
+        } else if (request == "frame" && std::cin >> kind) {
+            int threads;
+            std::cin >> threads;
+            std::cout << "frame " << cast(scenes.at(kind), terrain, view, image, threads);
+        } else if (request == "depth") {
+            std::cout << "depth " << size_t(view.width) * view.height * sizeof(float) << '\n';
+            for (int row = 0; row < view.height; row++)
+                std::cout.write(reinterpret_cast<const char *>(&image.depth[size_t(row) * image.stride]),
+                                view.width * sizeof(float));
+        } else {
+            std::cout << "error " << request;
+        }
+        if (request != "depth") std::cout << '\n';
+        std::cout.flush();
+        if (RTCError error = rtcGetDeviceError(device)) std::cerr << "Embree's error " << error << '\n';
+    }
+}
