@@ -1,5 +1,5 @@
-//! The casters' times, a group a scene and view. `scenes` says how to choose scenes; what stands
-//! behind `--` is criterion's, such as a part of the names to run.
+//! The casters' times, named `SCENE/VIEW/CASTER/THREADS`. `scenes` says how to choose scenes; what
+//! stands behind `--` is criterion's, such as a part of the names to run.
 
 mod measured;
 mod pinned_pool;
@@ -18,7 +18,7 @@ fn main() -> Result<()> {
     let mut criterion = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_millis(2500))
         .configure_from_args();
     let pools = THREADS
         .into_iter()
@@ -54,7 +54,7 @@ fn measure(criterion: &mut Criterion, pools: &[CastPool], scene: &BenchScene) ->
                 continue;
             }
             for pool in pools {
-                let id = BenchmarkId::new(*name, format!("{} threads", pool.threads()));
+                let id = BenchmarkId::new(*name, pool.threads());
                 group.bench_function(id, |bencher| {
                     bencher.iter(|| {
                         pool.cast(&**prepared, &[at.view], &mut images)

@@ -46,8 +46,14 @@ fn heights(side: u32) -> Vec<f32> {
                 *height = mountains(col as f64 / cells, y, octaves);
             }
         });
-    let low = heights.par_iter().copied().reduce(|| f32::INFINITY, f32::min);
-    let high = heights.par_iter().copied().reduce(|| f32::NEG_INFINITY, f32::max);
+    let low = heights
+        .par_iter()
+        .copied()
+        .reduce(|| f32::INFINITY, f32::min);
+    let high = heights
+        .par_iter()
+        .copied()
+        .reduce(|| f32::NEG_INFINITY, f32::max);
     let step = (RELIEF * cells) as f32 / STEPS;
     heights
         .par_iter_mut()

@@ -48,7 +48,10 @@ impl BenchScene {
 pub(crate) fn chosen() -> impl Iterator<Item = Result<BenchScene>> {
     let large = env::var("SANDTABLE_BENCH_LARGE").is_ok_and(|value| value == "1");
     let names: Vec<String> = match env::var("SANDTABLE_BENCH_SCENES") {
-        Ok(names) => names.split(',').map(|name| name.trim().to_owned()).collect(),
+        Ok(names) => names
+            .split(',')
+            .map(|name| name.trim().to_owned())
+            .collect(),
         Err(_) => {
             let large = large.then_some(LARGE);
             SCENES.into_iter().chain(large).map(str::to_owned).collect()
@@ -74,7 +77,10 @@ fn scene(name: &str, peers: Option<&std::path::Path>) -> Result<Option<BenchScen
         return Ok(Some(BenchScene::new(name, ground, views)));
     }
     let Some(file) = real::file(name) else {
-        bail!("no scene is called {name:?}: there are tN, {}", real::NAMES.join(", "));
+        bail!(
+            "no scene is called {name:?}: there are tN, {}",
+            real::NAMES.join(", ")
+        );
     };
     if !file.exists() {
         eprintln!("{name} is left out: {} is not there", file.display());

@@ -67,7 +67,11 @@ fn read(path: &Path, side: u32, size: usize) -> Result<Vec<u8>> {
 fn view(text: &str) -> Result<View> {
     let numbers = text.split_whitespace().map(str::parse);
     let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
-    ensure!(numbers.len() == 14, "14 numbers make a view, not {}", numbers.len());
+    ensure!(
+        numbers.len() == 14,
+        "14 numbers make a view, not {}",
+        numbers.len()
+    );
     let vector = |at: usize| DVec3::from_slice(&numbers[at..]);
     let (eye, first, right, down) = (vector(2), vector(5), vector(8), vector(11));
     let upper_left = eye + first - 0.5 * (right + down);

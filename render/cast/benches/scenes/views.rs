@@ -83,7 +83,9 @@ fn horizon(ground: &Ground, roll: f64) -> View {
     const AROUND: i32 = 20;
     let mut camera = camera(ground, [0.47, 0.08], 0.0, [-8.0, roll], 60.0);
     let steps = -AROUND..=AROUND;
-    let places = steps.clone().flat_map(|i| steps.clone().map(move |j| (i, j)));
+    let places = steps
+        .clone()
+        .flat_map(|i| steps.clone().map(move |j| (i, j)));
     let highest = places
         .filter_map(|(i, j)| {
             let at = camera.eye.truncate() + DVec2::new(i.into(), j.into()) * side(ground) / 1000.0;
