@@ -9,8 +9,10 @@ use std::sync::Arc;
 /// the centres of whole ones.
 const STEP: u32 = 5;
 
-/// A pixel is right where its depth is within this of brute force's, in cells.
+/// A pixel is right where its depth is within this of brute force's, in cells, and its colour is
+/// within this of brute force's in each channel. Of skies only the depth counts.
 const RIGHT_CELLS: f64 = 0.1;
+const RIGHT_COLOUR: u8 = 32;
 
 /// What brute force sees in some pixels of a view.
 pub(super) struct Truth {
@@ -29,19 +31,21 @@ impl Truth {
         })
     }
 
-    /// The share of the checked pixels that are right in an image with these depths.
-    pub(super) fn share_right(&self, depth: &[f32]) -> f64 {
-        let [width, height] = self.image.view.size;
-        let pixels = (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
-        let of_whole = |i: u32, j: u32| {
-            let centre = |at: u32| (STEP * at + STEP / 2) as usize;
-            depth[centre(j) * self.width as usize + centre(i)]
-        };
-        let right = pixels.zip(&self.image.depth).filter(|&((i, j), &exact)| {
-            let found = of_whole(i, j);
-            found == exact || f64::from((found - exact).abs()) <= RIGHT_CELLS * self.cell
+    /// The share of the checked pixels that are right in an image of these depths and colours.
+    pub(super) fn share_right(&self, depth: &[f32], colour: &[[u8; 4]]) -> f64 {
+        let exact = &self.image;
+        let pixels = (0..exact.height()).flat_map(|j| (0..exact.width()).map(move |i| (i, j)));
+        let exact_pixels = exact.depth.iter().zip(exact.colour());
+        let right = pixels.zip(exact_pixels).filter(|&((i, j), (&far, shade))| {
+            let [i, j] = [i, j].map(|at| (STEP * at + STEP / 2) as usize);
+            let at = j * self.width as usize + i;
+            if far.is_infinite() {
+                return depth[at] == far;
+            }
+            let near = |k: usize| colour[at][k].abs_diff(shade[k]) <= RIGHT_COLOUR;
+            f64::from((depth[at] - far).abs()) <= RIGHT_CELLS * self.cell && (0..3).all(near)
         });
-        right.count() as f64 / self.image.depth.len() as f64
+        right.count() as f64 / exact.depth.len() as f64
     }
 }
 

@@ -148,7 +148,7 @@ impl<'a> Contest<'a> {
         for contender in contenders {
             // This is also the frame that warms the memory of images.
             if self.frame(contender, &at.view, pool)?.is_some() {
-                let right = truth.share_right(&self.depth(contender)?);
+                let right = self.share_right(contender, truth)?;
                 taking_part.push((contender, right, Vec::with_capacity(rounds)));
             }
         }
@@ -192,13 +192,19 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// The depths of a contender's last frame.
-    fn depth(&mut self, contender: Contender) -> Result<Vec<f32>> {
-        match (contender, &mut self.embree) {
-            (Contender::Embree(_), Some(embree)) => embree.depth(),
-            (Contender::Embree(_), None) => Ok(Vec::new()),
-            (Contender::Ours(place), _) => Ok(self.ours[place].images[0].depth.clone()),
-        }
+    /// The share of a contender's last frame that is right.
+    fn share_right(&mut self, contender: Contender, truth: &Truth) -> Result<f64> {
+        Ok(match (contender, &mut self.embree) {
+            (Contender::Embree(_), Some(embree)) => {
+                let (depth, colour) = embree.image()?;
+                truth.share_right(&depth, &colour)
+            }
+            (Contender::Embree(_), None) => 0.0,
+            (Contender::Ours(place), _) => {
+                let [image] = &self.ours[place].images;
+                truth.share_right(&image.depth, image.colour())
+            }
+        })
     }
 
     /// What each contender took to be ready and held, in the end.

@@ -11,7 +11,8 @@
 //   view W H, then eye, direction through the centre of pixel (0, 0), step a column, step a row
 //                             -> view                     twelve numbers
 //   frame grid|triangles N    -> frame MS                 on N pinned threads
-//   depth                     -> depth BYTES              and W * H floats: metres along the ray
+//   image                     -> image BYTES              and W * H floats: metres along the ray,
+//                                                         then as many colours
 //
 // A frame traces packets of 4 by 4 pixels, coherent, in tiles of 16 by 16 that the threads take in
 // turn, and writes colour (one bilinear fetch a hit) and depth of each pixel.
@@ -66,11 +67,11 @@ typedef uint32_t Words __attribute__((vector_size(64)));
 static const int TILE = 16, PACKET = 4;
 static const uint32_t SKY = 0xffe8d8c8, OPAQUE = 0xff000000;
 
-static std::atomic<long> held{0}, peak{0};
+// Bytes that Embree holds, and held at most; it builds on one thread, so no two count at once.
+static long held = 0, peak = 0;
 
 static bool count_memory(void *, ssize_t bytes, bool) {
-    long now = held += bytes;
-    for (long before = peak; now > before && !peak.compare_exchange_weak(before, now);) {}
+    peak = std::max(peak, held += bytes);
     return true;
 }
 
@@ -87,14 +88,12 @@ static void set_up_thread(int k) {
         sched_getaffinity(0, sizeof set, &set);
         return set;
     }();
-    for (int cpu = 0, left = k % CPU_COUNT(&allowed); cpu < CPU_SETSIZE; cpu++) {
-        if (CPU_ISSET(cpu, &allowed) && left-- == 0) {
-            cpu_set_t one;
-            CPU_ZERO(&one);
-            CPU_SET(cpu, &one);
-            sched_setaffinity(0, sizeof one, &one);
-        }
-    }
+    int cpu = 0;
+    for (int left = k % CPU_COUNT(&allowed); !CPU_ISSET(cpu, &allowed) || left-- > 0;) cpu++;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(cpu, &one);
+    sched_setaffinity(0, sizeof one, &one);
 #ifdef __SSE__
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
@@ -233,6 +232,12 @@ template <class T> static void read(std::vector<T> &into) {
     std::cin.read(reinterpret_cast<char *>(into.data()), into.size() * sizeof(T));
 }
 
+template <class T> static void write(const std::vector<T> &pixels, int stride, const View &view) {
+    for (int row = 0; row < view.height; row++)
+        std::cout.write(reinterpret_cast<const char *>(&pixels[size_t(row) * stride]),
+                        view.width * sizeof(T));
+}
+
 int main() {
     std::ios::sync_with_stdio(false);
     set_up_thread(0);
@@ -248,9 +253,7 @@ int main() {
             std::cin >> terrain.cols >> terrain.rows >> terrain.dx >> terrain.dy;
             std::cin.get();
             size_t posts = size_t(terrain.cols) * terrain.rows;
-            // One vertex and one row of colours more than there are: Embree loads 16 bytes a
-            // vertex, and the colours north and east of the last are fetched with weight 0.
-            terrain.vertices.reserve(posts + 1);
+            terrain.vertices.reserve(posts + 1); // Embree loads 16 bytes a vertex, the last one too
             terrain.colours.resize(posts);
             std::vector<float> heights(terrain.cols);
             for (int row = 0; row < terrain.rows; row++) {
@@ -279,15 +282,14 @@ int main() {
             int threads;
             std::cin >> threads;
             std::cout << "frame " << cast(scenes.at(kind), terrain, view, image, threads);
-        } else if (request == "depth") {
-            std::cout << "depth " << size_t(view.width) * view.height * sizeof(float) << '\n';
-            for (int row = 0; row < view.height; row++)
-                std::cout.write(reinterpret_cast<const char *>(&image.depth[size_t(row) * image.stride]),
-                                view.width * sizeof(float));
+        } else if (request == "image") {
+            std::cout << "image " << view.width * size_t(view.height) * 8 << '\n';
+            write(image.depth, image.stride, view);
+            write(image.colour, image.stride, view);
         } else {
             std::cout << "error " << request;
         }
-        if (request != "depth") std::cout << '\n';
+        if (request != "image") std::cout << '\n';
         std::cout.flush();
         if (RTCError error = rtcGetDeviceError(device)) std::cerr << "Embree's error " << error << '\n';
     }

@@ -135,13 +135,18 @@ impl Embree {
         Ok(ms)
     }
 
-    /// The depths of the last frame, row by row from the top, in metres; +∞ for sky.
-    pub(crate) fn depth(&mut self) -> Result<Vec<f32>> {
-        writeln!(self.requests, "depth")?;
-        let [bytes] = self.answer("depth")?;
-        let mut depth = vec![0; bytes as usize];
-        self.answers.read_exact(&mut depth)?;
-        Ok(bytemuck::pod_collect_to_vec(&depth))
+    /// The last frame, row by row from the top: depths in metres, +∞ for sky, and colours, of
+    /// which the fourth byte says nothing.
+    pub(crate) fn image(&mut self) -> Result<(Vec<f32>, Vec<[u8; 4]>)> {
+        writeln!(self.requests, "image")?;
+        let [bytes] = self.answer("image")?;
+        let mut image = vec![0; bytes as usize];
+        self.answers.read_exact(&mut image)?;
+        let (depth, colour) = image.split_at(image.len() / 2);
+        Ok((
+            bytemuck::pod_collect_to_vec(depth),
+            bytemuck::pod_collect_to_vec(colour),
+        ))
     }
 
     /// The numbers of the answer to what has been asked, which begins with `word`.

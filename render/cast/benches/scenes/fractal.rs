@@ -85,39 +85,3 @@ fn mountains(x: f64, y: f64, octaves: u32) -> f32 {
     }
     sum
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIDE: u32 = 512;
-
-    #[test]
-    fn heights_are_whole_steps_from_nothing_to_the_relief() {
-        let heights = heights(SIDE);
-        let relief = (RELIEF * f64::from(SIDE - 1)) as f32;
-        let steps: Vec<f32> = heights.iter().map(|h| h / relief * 65_535.0).collect();
-        assert!(steps.iter().all(|step| (step - step.round()).abs() < 0.02));
-        assert_eq!(steps.iter().copied().fold(1.0, f32::min), 0.0);
-        assert_eq!(steps.iter().copied().fold(1.0, f32::max).round(), 65_535.0);
-    }
-
-    /// The slopes that the terrain of the first measurements has, with this many posts.
-    #[test]
-    fn slopes_are_those_of_rough_mountains() {
-        let heights = heights(SIDE);
-        let rows = heights.chunks(SIDE as usize);
-        let mut slopes: Vec<f32> = rows
-            .flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).abs()))
-            .collect();
-        slopes.sort_by(f32::total_cmp);
-        let at = |share: f64| slopes[(share * (slopes.len() - 1) as f64) as usize];
-        for (share, slope) in [(0.5, 0.324), (0.9, 0.821), (0.99, 1.353)] {
-            let found = at(share);
-            assert!(
-                (found / slope - 1.0).abs() < 0.05,
-                "{share} of the slopes are below {found}, not {slope}"
-            );
-        }
-    }
-}

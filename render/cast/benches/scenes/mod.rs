@@ -9,14 +9,14 @@ mod noise;
 mod photo;
 mod raw;
 mod real;
-mod views;
+pub(crate) mod views;
 
 use anyhow::{Result, bail};
 use sandtable_cast::Scene;
 use sandtable_cast::standpoints::Standpoint;
 use sandtable_terrain::Ground;
 use std::env;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is measured where nothing is chosen, and where t16384 is asked for besides.
@@ -63,8 +63,9 @@ pub(crate) fn chosen() -> impl Iterator<Item = Result<BenchScene>> {
         .filter_map(move |name| scene(&name, peers.as_deref()).transpose())
 }
 
-/// The scene of that name, or `None` where its files are not there.
-fn scene(name: &str, peers: Option<&std::path::Path>) -> Result<Option<BenchScene>> {
+/// The scene of that name, or `None` where its files are not there. Fractal ones are read from the
+/// folder `peers` where that is given.
+pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScene>> {
     if let Some(side) = name.strip_prefix('t').and_then(|side| side.parse().ok()) {
         let (ground, views) = match peers {
             Some(folder) => raw::scene(folder, side)?,

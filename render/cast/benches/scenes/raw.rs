@@ -64,7 +64,7 @@ fn read(path: &Path, side: u32, size: usize) -> Result<Vec<u8>> {
 }
 
 /// The view that the text of a `.cam` file tells.
-pub(super) fn view(text: &str) -> Result<View> {
+fn view(text: &str) -> Result<View> {
     let numbers = text.split_whitespace().map(str::parse);
     let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
     ensure!(
@@ -85,43 +85,4 @@ pub(super) fn view(text: &str) -> Result<View> {
         },
         size: [numbers[0] as u32, numbers[1] as u32],
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn posts_and_colours_are_where_the_files_have_them() {
-        let folder = tempfile::tempdir().unwrap();
-        let write = |ending: &str, bytes: &[u8]| {
-            fs::write(folder.path().join(format!("t3.{ending}")), bytes).unwrap();
-        };
-        let heights: Vec<u8> = (0..9u8)
-            .flat_map(|at| f32::from(at).to_le_bytes())
-            .collect();
-        write("f32", &heights);
-        write("rgb", &(0..27).collect::<Vec<u8>>());
-        for (_, view) in VIEWS {
-            write(
-                &format!("{view}.cam"),
-                b"4 2  1 2 3  0 1 0  0.5 0 0  0 0 -0.5",
-            );
-        }
-
-        let (ground, views) = scene(folder.path(), 3).unwrap();
-        // The second post from the west in the northern row.
-        assert_eq!(ground.height_at(1.0, 2.0), Some(7.0));
-        assert_eq!(ground.colour_at(1.0, 2.0), [21, 22, 23]);
-        assert_eq!(views.len(), VIEWS.len());
-        let view = views[0].view;
-        assert_eq!(view.size, [4, 2]);
-        assert_eq!(view.ray(0, 0).direction, DVec3::Y);
-        assert_eq!(view.ray(3, 1).direction, DVec3::new(1.5, 1.0, -0.5));
-        assert_eq!(view.eye, DVec3::new(1.0, 2.0, 3.0));
-
-        write("rgb", &[0; 26]);
-        let error = scene(folder.path(), 3).unwrap_err().to_string();
-        assert!(error.contains("t3.rgb has 26 bytes"), "{error}");
-    }
 }

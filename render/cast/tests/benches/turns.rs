@@ -1,21 +1,13 @@
-//! What the benches measure is what their tables say; their modules' own tests run here too.
+//! Contenders that take turns, and what is told of them.
 
-#![allow(dead_code, reason = "tests use parts of what the benches use")]
-
-#[path = "../benches/contest/mod.rs"]
-mod contest;
-#[path = "../benches/embree/mod.rs"]
-mod embree;
-#[path = "../benches/scenes/mod.rs"]
-mod scenes;
-
-use contest::Contest;
-use embree::Compiled;
+use crate::contest::Contest;
+use crate::contest::report::{Line, Run};
+use crate::embree::{self, Compiled};
+use crate::scenes::BenchScene;
 use glam::{DVec2, DVec3};
 use sandtable_cast::standpoints::{self, Standpoint};
 use sandtable_cast::{CastPool, Scene};
 use sandtable_terrain::{Ground, Photo, TiledRaster};
-use scenes::BenchScene;
 use std::path::Path;
 
 /// Hills over cells that are not square, and are fewer from south to north.
@@ -25,9 +17,12 @@ fn hills() -> BenchScene {
         let (x, y) = (f64::from(col), f64::from(row));
         (400.0 + 150.0 * (x / 11.0).sin() * (y / 7.0).cos() + 2.0 * x) as f32
     };
-    let ground = Ground::from_fn(120, 90, spacing, height).unwrap();
+    let ground = Ground::from_fn(120, 90, spacing, height).expect("a sound grid");
     let photo = Photo {
-        pixels: TiledRaster::from_fn(120, 90, |col, row| [col as u8, row as u8, 0, 255]),
+        // Another post's colour is not near.
+        pixels: TiledRaster::from_fn(120, 90, |col, row| {
+            [200 * (col % 2) as u8, 200 * (row % 2) as u8, 100, 255]
+        }),
         origin: DVec2::ZERO,
         spacing,
     };
@@ -92,4 +87,26 @@ fn a_caster_that_refuses_a_view_takes_no_part_in_it() {
     let mut contest = Contest::prepare(&scene, &casters, &pools, None).unwrap();
     let lines = contest.race(&scene.views[2], 2).unwrap();
     assert!(lines[0].ours[0].is_none() && lines[0].ours[1].is_some());
+}
+
+#[test]
+fn ratios_are_of_the_better_geometry() {
+    let run = |median_ms| {
+        Some(Run {
+            median_ms,
+            right: 1.0,
+        })
+    };
+    let mut line = Line {
+        scene: String::new(),
+        view: String::new(),
+        threads: 1,
+        embree: [run(30.0), run(20.0)],
+        ours: vec![run(5.0), None],
+    };
+    assert_eq!([line.ratio(0), line.ratio(1)], [Some(4.0), None]);
+    line.embree[1] = None;
+    assert_eq!(line.ratio(0), Some(6.0));
+    line.embree[0] = None;
+    assert_eq!(line.ratio(0), None);
 }
