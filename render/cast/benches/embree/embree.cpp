@@ -1,18 +1,16 @@
 // Embree as a caster of terrain: what sandtable's casters are measured against.
 //
 // Reads requests, a line each, on standard input and answers each with a line on standard output.
-// Numbers behind a line are binary, in the machine's byte order. World frame: metres, x east,
-// y north, z up; row 0 of a terrain is south, row 0 of an image is its top.
+// What follows a line is binary, in the machine's byte order. World frame: metres, x east, y north,
+// z up; row 0 of a terrain is south, row 0 of an image its top; colours are R, G, B, any.
 //
-//   terrain COLS ROWS DX DY   and COLS * ROWS heights (float), then as many colours (R, G, B, any)
-//                             -> terrain BYTES            held for vertices and colours
-//   build grid|triangles      -> built MS BYTES PEAK      on one thread; Embree's own memory, with
-//                                                         the triangles' indices
-//   view W H, then eye, direction through the centre of pixel (0, 0), step a column, step a row
-//                             -> view                     twelve numbers
-//   frame grid|triangles N    -> frame MS                 on N pinned threads
-//   image                     -> image BYTES              and W * H floats: metres along the ray,
-//                                                         then as many colours
+//   terrain COLS ROWS DX DY  and COLS * ROWS heights (float), then as many colours
+//                            -> terrain BYTES      held for vertices and colours
+//   build grid|triangles     -> built MS BYTES PEAK    on one thread; what Embree holds for it
+//   view W H and 12 numbers: eye, direction through the centre of pixel (0, 0), step a column, step
+//                            a row  -> view
+//   frame grid|triangles N   -> frame MS           on N pinned threads
+//   image                    -> image BYTES  and W * H depths (float, metres), then as many colours
 //
 // A frame traces packets of 4 by 4 pixels, coherent, in tiles of 16 by 16 that the threads take in
 // turn, and writes colour (one bilinear fetch a hit) and depth of each pixel.
@@ -36,9 +34,14 @@
 #include <pmmintrin.h>
 #endif
 
-struct Vertex {
-    float x, y, z;
-};
+using Clock = std::chrono::steady_clock;
+
+// One word for each pixel of a packet.
+typedef float Floats __attribute__((vector_size(64)));
+typedef int32_t Ints __attribute__((vector_size(64)));
+typedef uint32_t Words __attribute__((vector_size(64)));
+
+struct Vertex { float x, y, z; };
 
 struct Terrain {
     int cols, rows;
@@ -48,21 +51,15 @@ struct Terrain {
 };
 
 struct View {
-    int width = 0, height = 0;
+    int width, height;
     float eye[3], corner[3], right[3], down[3];
 };
 
-// Both sides are rounded up to whole packets.
 struct Image {
-    int stride = 0;
+    int stride; // both sides are rounded up to whole packets
     std::vector<uint32_t> colour;
     std::vector<float> depth;
 };
-
-// One word a pixel of a packet.
-typedef float Floats __attribute__((vector_size(64)));
-typedef int32_t Ints __attribute__((vector_size(64)));
-typedef uint32_t Words __attribute__((vector_size(64)));
 
 static const int TILE = 16, PACKET = 4;
 static const uint32_t SKY = 0xffe8d8c8, OPAQUE = 0xff000000;
@@ -75,8 +72,8 @@ static bool count_memory(void *, ssize_t bytes, bool) {
     return true;
 }
 
-static double milliseconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+static double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
 // Binds the calling thread to the k-th of the processors that the program was started with, and
@@ -101,22 +98,22 @@ static void set_up_thread(int k) {
 }
 
 static RTCScene build(RTCDevice device, Terrain &terrain, bool as_grid) {
-    size_t posts = terrain.vertices.size();
-    RTCGeometry geometry =
-        rtcNewGeometry(device, as_grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto kind = as_grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE;
+    RTCGeometry geometry = rtcNewGeometry(device, kind);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               terrain.vertices.data(), 0, sizeof(Vertex), posts);
+                               terrain.vertices.data(), 0, sizeof(Vertex), terrain.vertices.size());
+    int cols = terrain.cols, rows = terrain.rows;
     if (as_grid) {
-        auto *grid = static_cast<RTCGrid *>(rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1));
-        *grid = {0, unsigned(terrain.cols), uint16_t(terrain.cols), uint16_t(terrain.rows)};
+        void *grid = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+                                             sizeof(RTCGrid), 1);
+        *static_cast<RTCGrid *>(grid) = {0, unsigned(cols), uint16_t(cols), uint16_t(rows)};
     } else {
-        size_t cells = size_t(terrain.cols - 1) * (terrain.rows - 1);
-        auto *index = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), 2 * cells));
-        for (int row = 0; row + 1 < terrain.rows; row++)
-            for (int col = 0; col + 1 < terrain.cols; col++) {
-                unsigned sw = row * terrain.cols + col, se = sw + 1, nw = sw + terrain.cols;
+        void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                12, size_t(cols - 1) * (rows - 1) * 2);
+        auto *index = static_cast<unsigned *>(indices);
+        for (int row = 0; row + 1 < rows; row++)
+            for (int col = 0; col + 1 < cols; col++) {
+                unsigned sw = row * cols + col, se = sw + 1, nw = sw + cols;
                 for (unsigned corner : {sw, se, nw, se, nw + 1, nw}) *index++ = corner;
             }
     }
@@ -128,16 +125,16 @@ static RTCScene build(RTCDevice device, Terrain &terrain, bool as_grid) {
     return scene;
 }
 
-// The colours of 16 places in posts, bilinear.
-static Words mixed_colours(const Terrain &terrain, Floats x, Floats y) {
+// The colours at 16 places, in posts, bilinear.
+static Words colours_at(const Terrain &terrain, Floats x, Floats y) {
     const float last_col = terrain.cols - 1.001f, last_row = terrain.rows - 1.001f;
     x = x > 0 ? x : 0, x = x < last_col ? x : last_col;
     y = y > 0 ? y : 0, y = y < last_row ? y : last_row;
     Ints col = __builtin_convertvector(x, Ints), row = __builtin_convertvector(y, Ints);
     Floats u = x - __builtin_convertvector(col, Floats), v = y - __builtin_convertvector(row, Floats);
-    Words sw, se, nw, ne, mixed = OPAQUE - Words{};
     Ints at = row * terrain.cols + col;
     const uint32_t *south = terrain.colours.data(), *north = south + terrain.cols;
+    Words sw, se, nw, ne, mixed = OPAQUE - Words{};
     for (int k = 0; k < 16; k++) {
         sw[k] = south[at[k]], se[k] = south[at[k] + 1];
         nw[k] = north[at[k]], ne[k] = north[at[k] + 1];
@@ -154,11 +151,11 @@ static Words mixed_colours(const Terrain &terrain, Floats x, Floats y) {
 }
 
 // Casts the packet of pixels from (x0, y0) on.
-static void cast_packet(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int x0,
-                        int y0, RTCIntersectContext &context) {
+static void cast_packet(RTCScene scene, const Terrain &terrain, const View &view, Image &image,
+                        int x0, int y0, RTCIntersectContext &context) {
     const Ints lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     Ints i = x0 + (lane & 3), j = y0 + (lane >> 2);
-    alignas(64) Ints valid = (i < view.width) & (j < view.height);
+    Ints valid = (i < view.width) & (j < view.height);
     Floats x = __builtin_convertvector(i, Floats), y = __builtin_convertvector(j, Floats), d[3];
     for (int k = 0; k < 3; k++) d[k] = view.corner[k] + x * view.right[k] + y * view.down[k];
 
@@ -180,49 +177,45 @@ static void cast_packet(RTCScene scene, const Terrain &terrain, const View &view
     set(rays.hit.instID[0], RTC_INVALID_GEOMETRY_ID - Words{});
     rtcIntersect16(reinterpret_cast<int *>(&valid), scene, &context, &rays);
 
-    Floats reach, metres;
+    // Directions are not of length 1, so what Embree found is in multiples of their lengths.
+    Floats reach, metres, squares = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     std::memcpy(&reach, rays.ray.tfar, sizeof reach);
+    for (int k = 0; k < 16; k++) metres[k] = reach[k] * std::sqrt(squares[k]);
     Ints hit = reach < INFINITY;
     Floats t = hit ? reach : 0;
-    Words colour = mixed_colours(terrain, (view.eye[0] + t * d[0]) / terrain.dx,
-                                 (view.eye[1] + t * d[1]) / terrain.dy);
+    Words colour = colours_at(terrain, (view.eye[0] + t * d[0]) / terrain.dx,
+                              (view.eye[1] + t * d[1]) / terrain.dy);
     colour = hit ? colour : SKY - Words{};
-    // Directions are not of length 1, so what Embree found is in multiples of their lengths.
-    Floats squares = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    for (int k = 0; k < 16; k++) metres[k] = reach[k] * std::sqrt(squares[k]);
-
     for (int row = 0; row < PACKET; row++) {
         size_t at = size_t(y0 + row) * image.stride + x0;
-        std::memcpy(&image.colour[at], reinterpret_cast<uint32_t *>(&colour) + PACKET * row, 4 * PACKET);
-        std::memcpy(&image.depth[at], reinterpret_cast<float *>(&metres) + PACKET * row, 4 * PACKET);
+        std::memcpy(&image.colour[at], reinterpret_cast<uint32_t *>(&colour) + PACKET * row, 16);
+        std::memcpy(&image.depth[at], reinterpret_cast<float *>(&metres) + PACKET * row, 16);
     }
 }
 
-static void cast_tile(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int x0,
-                      int y0) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (int y = y0; y < std::min(y0 + TILE, view.height); y += PACKET)
-        for (int x = x0; x < std::min(x0 + TILE, view.width); x += PACKET)
-            cast_packet(scene, terrain, view, image, x, y, context);
-}
-
 // Casts a frame and returns its milliseconds; the threads are there before the clock starts.
-static double cast(RTCScene scene, const Terrain &terrain, const View &view, Image &image, int threads) {
+static double cast(RTCScene scene, const Terrain &terrain, const View &view, Image &image,
+                   int threads) {
     int across = (view.width + TILE - 1) / TILE, down = (view.height + TILE - 1) / TILE;
     std::atomic<int> next{0};
     std::latch ready(threads);
-    std::chrono::steady_clock::time_point begin;
-    auto work = [&](int k) {
-        set_up_thread(k);
+    Clock::time_point begin;
+    auto work = [&](int thread) {
+        set_up_thread(thread);
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         ready.arrive_and_wait();
-        if (k == 0) begin = std::chrono::steady_clock::now();
-        for (int tile; (tile = next++) < across * down;)
-            cast_tile(scene, terrain, view, image, tile % across * TILE, tile / across * TILE);
+        if (thread == 0) begin = Clock::now();
+        for (int tile; (tile = next++) < across * down;) {
+            int x0 = tile % across * TILE, y0 = tile / across * TILE;
+            for (int y = y0; y < std::min(y0 + TILE, view.height); y += PACKET)
+                for (int x = x0; x < std::min(x0 + TILE, view.width); x += PACKET)
+                    cast_packet(scene, terrain, view, image, x, y, context);
+        }
     };
     std::vector<std::thread> others;
-    for (int k = 1; k < threads; k++) others.emplace_back(work, k);
+    for (int thread = 1; thread < threads; thread++) others.emplace_back(work, thread);
     work(0);
     for (auto &thread : others) thread.join();
     return milliseconds_since(begin);
@@ -233,9 +226,8 @@ template <class T> static void read(std::vector<T> &into) {
 }
 
 template <class T> static void write(const std::vector<T> &pixels, int stride, const View &view) {
-    for (int row = 0; row < view.height; row++)
-        std::cout.write(reinterpret_cast<const char *>(&pixels[size_t(row) * stride]),
-                        view.width * sizeof(T));
+    for (size_t row = 0; row < size_t(view.height); row++)
+        std::cout.write(reinterpret_cast<const char *>(&pixels[row * stride]), view.width * sizeof(T));
 }
 
 int main() {
@@ -262,35 +254,34 @@ int main() {
                     terrain.vertices.push_back({col * terrain.dx, row * terrain.dy, heights[col]});
             }
             read(terrain.colours);
-            std::cout << "terrain " << posts * (sizeof(Vertex) + sizeof(uint32_t));
+            std::cout << "terrain " << posts * (sizeof(Vertex) + sizeof(uint32_t)) << '\n';
         } else if (request == "build" && std::cin >> kind) {
-            long before = held;
-            peak = before;
-            auto begin = std::chrono::steady_clock::now();
+            long before = peak = held;
+            auto begin = Clock::now();
             scenes[kind] = build(device, terrain, kind == "grid");
             double time = milliseconds_since(begin);
-            std::cout << "built " << time << ' ' << held - before << ' ' << peak - before;
+            std::cout << "built " << time << ' ' << held - before << ' ' << peak - before << '\n';
         } else if (request == "view") {
             std::cin >> view.width >> view.height;
             for (float *vector : {view.eye, view.corner, view.right, view.down})
                 std::cin >> vector[0] >> vector[1] >> vector[2];
             image.stride = (view.width + PACKET - 1) / PACKET * PACKET;
-            image.colour.resize(size_t(image.stride) * ((view.height + PACKET - 1) / PACKET * PACKET));
+            image.colour.resize(image.stride * size_t((view.height + PACKET - 1) / PACKET * PACKET));
             image.depth.resize(image.colour.size());
-            std::cout << "view";
+            std::cout << "view\n";
         } else if (request == "frame" && std::cin >> kind) {
             int threads;
             std::cin >> threads;
-            std::cout << "frame " << cast(scenes.at(kind), terrain, view, image, threads);
+            std::cout << "frame " << cast(scenes.at(kind), terrain, view, image, threads) << '\n';
         } else if (request == "image") {
             std::cout << "image " << view.width * size_t(view.height) * 8 << '\n';
             write(image.depth, image.stride, view);
             write(image.colour, image.stride, view);
         } else {
-            std::cout << "error " << request;
+            std::cout << "error " << request << '\n';
         }
-        if (request != "image") std::cout << '\n';
         std::cout.flush();
-        if (RTCError error = rtcGetDeviceError(device)) std::cerr << "Embree's error " << error << '\n';
+        if (RTCError error = rtcGetDeviceError(device))
+            std::cerr << "Embree's error " << error << '\n';
     }
 }
