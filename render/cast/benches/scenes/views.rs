@@ -96,10 +96,11 @@ fn horizon(ground: &Ground, roll: f64) -> View {
     camera.view(FULL_HD)
 }
 
-/// One eye at a table on which the terrain is centred, its lowest post in the glass; `eye` is −½
-/// for the left one and ½ for the right one.
+/// One eye at a table, the terrain's lowest post in the glass and its southern border a quarter of
+/// a metre before the glass's front, so that no eye sees a wall there: Embree has none. `eye` is
+/// −½ for the left one and ½ for the right one.
 fn at_table(ground: &Ground, eye: f64) -> View {
-    let middle = 0.5 * ground.grid().extent();
+    let middle = 0.5 * DVec2::new(ground.grid().extent().x, side(ground));
     let placement = Placement {
         anchor: middle.extend(ground.range()[0].into()),
         yaw: 0.0,

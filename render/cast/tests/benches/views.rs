@@ -87,4 +87,11 @@ fn eyes_and_tables_stand_over_the_lowest_post() {
         let rise = high.view.eye - low.view.eye;
         assert!((rise - 500.0 * DVec3::Z).length() < 1e-3, "{}", low.name);
     }
+    // 39 cells of 30 m are 1.6 m wide on the table.
+    let [front, back] = [
+        low[4].view.window.lower_left.y,
+        low[4].view.window.upper_left.y,
+    ];
+    let metre = 39.0 * 30.0 / 1.6;
+    assert!((front - 0.25 * metre).abs() < 1e-6 && (back - 1.35 * metre).abs() < 1e-6);
 }
