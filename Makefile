@@ -13,7 +13,7 @@ export XDG_RUNTIME_DIR := $(CURDIR)/target/runtime
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help deps deps-test run test lint bench doc runtime
+.PHONY: help deps deps-test deps-bench run test lint bench doc runtime
 
 help: ## List these words
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1|/p' $(MAKEFILE_LIST) | \
@@ -24,6 +24,9 @@ deps: ## Install what is missing to build and run (Debian; elsewhere: say what)
 
 deps-test: ## The same, and what the tests use besides
 	@.ci/deps build run test
+
+deps-bench: ## Install what is missing to build, and Embree for the benches
+	@.ci/deps build bench
 
 run: deps runtime ## Open the table; without a display, write a flight; ARGS="..." goes to it
 	$(CARGO) run --release --locked -- fly $(ARGS)
@@ -36,11 +39,9 @@ lint: deps runtime ## Check format, lints and documentation
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
-bench: runtime ## Time the casters on 1 and 2 threads
-	$(CARGO) run --release --locked -- bench 'builtin:ridges?size=1025' \
-		--views level --caster brute --caster coherent --check
-	$(CARGO) run --release --locked -- bench 'builtin:ridges?size=1025' \
-		--frames 3 --caster brute --caster coherent --check
+bench: deps-bench ## Time the casters on 1 and 2 threads, and Embree beside them
+	$(CARGO) bench --locked -p sandtable-cast --bench casters
+	$(CARGO) bench --locked -p sandtable-cast --bench against_embree
 
 doc: ## Build the documentation of all crates
 	$(CARGO) doc --workspace --no-deps --locked

@@ -1,0 +1,66 @@
+//! Our casters and Embree, frame by frame in turns: the same terrain, views, threads and work.
+//!
+//! Prints a table of medians and ratios, and one of what each held and how long it took to be
+//! ready. `scenes` says how to choose scenes; `--help` tells the rest.
+
+mod contest;
+mod embree;
+mod measured;
+mod pinned_pool;
+mod scenes;
+
+use anyhow::{Result, ensure};
+use clap::Parser;
+use contest::{Contest, report};
+use embree::Compiled;
+use measured::{MEASURED, THREADS};
+use pinned_pool::pinned_pool;
+use std::path::Path;
+
+/// Times casters against Embree
+#[derive(Parser)]
+struct Arguments {
+    /// Timed frames of each contender in each view, for each number of threads
+    #[arg(long, default_value_t = 5)]
+    rounds: usize,
+    /// A caster, as `sandtable bench` takes it; may be given more than once
+    #[arg(long, value_name = "NAME", default_values = MEASURED)]
+    caster: Vec<String>,
+    /// What cargo passes to every bench
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    ensure!(arguments.rounds > 0, "--rounds must be at least 1");
+    let program = match embree::compiled(Path::new(env!("CARGO_TARGET_TMPDIR")))? {
+        Compiled::Ready(program) => Some(program),
+        Compiled::Missing(what) => {
+            eprintln!("Embree is left out: {what}");
+            None
+        }
+    };
+    let pools = THREADS
+        .into_iter()
+        .map(pinned_pool)
+        .collect::<Result<Vec<_>>>()?;
+    let mut lines = Vec::new();
+    let mut holdings = Vec::new();
+    let columns = report::Columns::new(&arguments.caster);
+    columns.print_head();
+    for scene in scenes::chosen() {
+        let scene = scene?;
+        let mut contest = Contest::prepare(&scene, &arguments.caster, &pools, program.as_deref())?;
+        for at in &scene.views {
+            for line in contest.race(at, arguments.rounds)? {
+                columns.print(&line);
+                lines.push(line);
+            }
+        }
+        holdings.extend(contest.into_holdings());
+    }
+    columns.print_summary(&lines);
+    report::print_holdings(&holdings);
+    Ok(())
+}
