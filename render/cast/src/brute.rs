@@ -7,7 +7,7 @@ use crate::tally::Tally;
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
 use sandtable_terrain::TileIndex;
-use sandtable_view::{Rays, View};
+use sandtable_view::View;
 use std::sync::Arc;
 
 /// Casts every pixel alone: each ray is walked cell by cell from where it enters the terrain's
@@ -26,11 +26,10 @@ struct BruteScene {
     scene: Arc<Scene>,
 }
 
-/// One view: its rays, and the ground as they meet it.
+/// One view, and the ground as its rays meet it.
 struct Frame<'a> {
     grid: GridFrame<'a>,
-    rays: Rays,
-    size: [u32; 2],
+    view: &'a View,
 }
 
 impl UnitCaster for BruteScene {
@@ -51,26 +50,35 @@ impl UnitCaster for BruteScene {
     fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
         Ok(Frame {
             grid: GridFrame::new(&self.scene.ground),
-            rays: view.rays(),
-            size: view.size,
+            view,
         })
     }
 
     /// A unit is one row of pixels.
     fn units(frame: &Frame<'_>) -> usize {
-        frame.size[1] as usize
+        frame.view.size[1] as usize
     }
 
     fn cast_unit<T: Tally>(frame: &Frame<'_>, row: usize, canvas: &Canvas<'_>, tally: &mut T) {
-        let j = row as u32;
-        for i in 0..frame.size[0] {
-            tally.ray();
-            let ray = frame.rays.ray(i, j);
-            let hit = frame
-                .grid
-                .clip(&ray)
-                .and_then(|clipped| clipped.first_hit(clipped.enter, tally));
-            shade(canvas, [i, j], frame.grid.ground(), &ray, hit);
-        }
+        cast_row(&frame.grid, frame.view, row as u32, canvas, tally);
+    }
+}
+
+/// Casts each pixel of a row alone.
+pub(crate) fn cast_row<T: Tally>(
+    grid: &GridFrame<'_>,
+    view: &View,
+    row: u32,
+    canvas: &Canvas<'_>,
+    tally: &mut T,
+) {
+    let rays = view.rays();
+    for i in 0..view.size[0] {
+        tally.ray();
+        let ray = rays.ray(i, row);
+        let hit = grid
+            .clip(&ray)
+            .and_then(|clipped| clipped.first_hit(clipped.enter, tally));
+        shade(canvas, [i, row], grid.ground(), &ray, hit);
     }
 }

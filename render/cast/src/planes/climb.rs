@@ -52,7 +52,7 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
         let height = l.add(l.mul(t, ray.slope), eye);
         let next_height = l.add(l.mul(next, ray.slope), eye);
         let over = l.sub(l.min(height, next_height), highest);
-        let clear = l.lt(l.splat(0.0), over);
+        let clear = l.lt(l.splat(field.rounding), over);
         let along = l.mul(next, ray.advance);
         let next_major = l.select_i(
             by_major,

@@ -135,8 +135,12 @@ pub(super) struct Field<'a> {
     pub(super) minor: Axis,
     /// Which of the ground's axes the major one is.
     pub(super) major_axis: usize,
+    /// The eye's height in metres, and what rounding has left of it.
     pub(super) eye_height: f32,
+    pub(super) eye_rest: f32,
+    /// Above all ground, by more than heights are rounded by.
     pub(super) highest: f32,
+    pub(super) rounding: f32,
     pub(super) code_base: f32,
     pub(super) code_step: f32,
 }

@@ -2,13 +2,15 @@
 
 use super::field::Tiles;
 use super::sectors::{ImageRays, Sector};
+use crate::intersect::GridFrame;
+use crate::lanes::Isa;
 use glam::DVec3;
 use sandtable_terrain::Ground;
 use sandtable_view::View;
 
 /// What all sectors of one view share.
 pub(super) struct Frame<'a> {
-    pub(super) isa: crate::lanes::Isa,
+    pub(super) isa: Isa,
     pub(super) heights: Tiles<'a, f32>,
     pub(super) maxima: Tiles<'a, u16>,
     /// Cells along x and y.
@@ -20,6 +22,10 @@ pub(super) struct Frame<'a> {
     /// The eye in cells along x and y from the south-west post, and in metres of height.
     pub(super) eye: DVec3,
     pub(super) highest: f32,
+    /// Metres by which heights, rounded a few times, may be wrong.
+    pub(super) rounding: f32,
+    /// Where the kernels are not made for the eye's place: each pixel is cast alone.
+    pub(super) alone: Option<GridFrame<'a>>,
     pub(super) steepest: [f32; 2],
     pub(super) code_base: f32,
     pub(super) code_step: f32,

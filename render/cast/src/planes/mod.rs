@@ -17,14 +17,16 @@ use self::frame::Frame;
 use self::maxima::{Maxima, steepest};
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{ImageRays, Sector};
+use crate::brute::cast_row;
 use crate::canvas::Canvas;
+use crate::intersect::GridFrame;
 use crate::lanes::{Isa, Kernel, Lanes};
 use crate::options::{CasterOption, Options};
 use crate::tally::Tally;
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
 use glam::DVec3;
-use sandtable_terrain::TileIndex;
+use sandtable_terrain::{Ground, TileIndex};
 use sandtable_view::View;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -72,6 +74,23 @@ struct PlanesScene {
 
 /// How many pixels of a step a sector has at most, about.
 const WIDTH: u32 = 512;
+
+/// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
+/// too few digits for a hundredth of a cell.
+const FARTHEST: f64 = 131_072.0;
+
+/// Whether the kernels are not made for an eye: it is in the ground, or too far from its farthest
+/// corner.
+fn is_special(ground: &Ground, eye: DVec3, per_metre: DVec3) -> bool {
+    let inside = ground
+        .height_at(eye.x, eye.y)
+        .is_some_and(|height| eye.z <= height);
+    let grid = ground.grid();
+    let along = |eye: f64, posts: u32| eye.abs().max((f64::from(posts - 1) - eye).abs());
+    let cells = eye * per_metre;
+    let farthest = along(cells.x, grid.cols).max(along(cells.y, grid.rows));
+    inside || farthest > FARTHEST
+}
 
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
@@ -125,6 +144,7 @@ impl UnitCaster for PlanesScene {
         let ground = &*self.scene.ground;
         let grid = ground.grid();
         let heights = ground.heights();
+        let [low, high] = ground.range();
         let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
         let rays = ImageRays::new(
             view.ray(0, 0),
@@ -144,6 +164,8 @@ impl UnitCaster for PlanesScene {
             rays,
             eye: view.eye * per_metre,
             highest: ground.range()[1],
+            rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
+            alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
             steepest: self.steepest,
             code_base: self.maxima.base,
             code_step: self.maxima.step,
@@ -152,10 +174,17 @@ impl UnitCaster for PlanesScene {
     }
 
     fn units(frame: &Frame<'_>) -> usize {
-        frame.sectors.len()
+        match frame.alone {
+            Some(_) => frame.view.size[1] as usize,
+            None => frame.sectors.len(),
+        }
     }
 
     fn cast_unit<T: Tally>(frame: &Frame<'_>, unit: usize, canvas: &Canvas<'_>, tally: &mut T) {
+        if let Some(grid) = &frame.alone {
+            cast_row(grid, frame.view, unit as u32, canvas, tally);
+            return;
+        }
         SCRATCH.with_borrow_mut(|scratch| {
             frame.isa.run(CastSector {
                 frame,

@@ -202,7 +202,9 @@ impl<'a, L: Lanes> March<'a, L> {
                 minor,
                 major_axis: sector.major,
                 eye_height: frame.eye.z as f32,
-                highest: frame.highest,
+                eye_rest: (frame.eye.z - f64::from(frame.eye.z as f32)) as f32,
+                highest: frame.highest + frame.rounding,
+                rounding: frame.rounding,
                 code_base: frame.code_base,
                 code_step: frame.code_step,
             },
@@ -339,7 +341,8 @@ impl<'a, L: Lanes> March<'a, L> {
                         for at in (0..wave.len()).step_by(LANES) {
                             let mask = l.mask(wave.mask(at));
                             let ray = wave.ray(l, at);
-                            let clear = l.sub(l.splat(0.0), wave.t(l, at));
+                            let clear = l.max(wave.t(l, at), l.splat(f32::MIN_POSITIVE));
+                            let clear = l.sub(l.splat(0.0), clear);
                             l.scatter(mask, ray.id, clear, &mut scratch.reached);
                         }
                     }
@@ -380,6 +383,8 @@ impl<'a, L: Lanes> March<'a, L> {
         let towards = [across / back, -w / back];
         let slot = self.slot(step);
         let (mut low_end, mut high_end) = (scratch.low.len(), scratch.high.len());
+        // Below 0 even where there is no ground at all.
+        let tiny = l.splat(f32::MIN_POSITIVE);
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
@@ -408,7 +413,8 @@ impl<'a, L: Lanes> March<'a, L> {
             l.store(advance, group_mut(&mut scratch.advance, at));
             l.store(slope, group_mut(&mut scratch.slope, at));
             // Until something is found: the ray has left the ground.
-            l.store(l.sub(zero, leave), group_mut(&mut scratch.reached, at));
+            let nothing = l.sub(zero, l.max(leave, tiny));
+            l.store(nothing, group_mut(&mut scratch.reached, at));
             let ray = Ray {
                 advance,
                 inverse,

@@ -12,8 +12,10 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// The value at a place. Along a row and along a column it never falls and never rises,
+    /// whatever rounding does to it.
     fn at(&self, [i, j]: [f64; 2]) -> f64 {
-        self.at_origin + self.along[0] * i + self.along[1] * j
+        (self.at_origin + self.along[0] * i) + self.along[1] * j
     }
 }
 
@@ -60,17 +62,29 @@ impl Sector {
         let (mut from, mut to) = (0, self.width);
         for side in &self.sides {
             let slope = side.line.along[lane_axis];
-            let value = side.line.at_origin + side.line.along[self.step_axis] * step;
+            let holds = |lane: i32| {
+                let mut place = [step; 2];
+                place[lane_axis] = f64::from(lane);
+                (side.line.at(place) >= 0.0) == side.positive
+            };
             if slope == 0.0 {
-                if (value >= 0.0) != side.positive {
+                if !holds(0) {
                     return [0, 0];
                 }
                 continue;
             }
-            // Both sides of a line divide at the same pixel, whatever rounding does to it.
+            let value = side.line.at_origin + side.line.along[self.step_axis] * step;
             let at = (-value / slope).ceil();
-            let at = at.clamp(0.0, f64::from(self.width)) as i32;
-            if (slope > 0.0) == side.positive {
+            let mut at = at.clamp(0.0, f64::from(self.width)) as i32;
+            // A pixel belongs to that side where its own value is, whichever way it is asked for.
+            let begins = (slope > 0.0) == side.positive;
+            while at > 0 && holds(at - 1) == begins {
+                at -= 1;
+            }
+            while at < self.width && holds(at) != begins {
+                at += 1;
+            }
+            if begins {
                 from = from.max(at);
             } else {
                 to = to.min(at);

@@ -90,6 +90,7 @@ fn pass<L: Lanes>(
     let major_line = l.splat(1.0 - field.major.fraction);
     let minor_line = l.splat(1.0 - field.minor.fraction);
     let eye = l.splat(field.eye_height);
+    let eye_rest = l.splat(field.eye_rest);
     let near_limit = l.splat(near);
     let inverse_near = l.splat(1.0 / near);
     let rays = wave.len();
@@ -113,28 +114,32 @@ fn pass<L: Lanes>(
         // Where the lines behind the cell lie.
         let to_major = l.add(l.to_float(major), major_line);
         let to_minor = l.add(l.to_float(minor), minor_line);
+        // Heights over the corner that is far along both; and of that over the eye, as near to
+        // the truth as if it had more digits.
+        let corner = l.sub(l.sub(both, eye), eye_rest);
+        let by_minor = l.sub(far_minor, both);
+        let by_major = l.sub(far_major, both);
+        let by_none = l.sub(near, both);
         // The clearance at t.
         let major_left = l.sub(to_major, t);
         let minor_left = l.sub(to_minor, l.mul(t, ray.advance));
-        let far = l.add(both, l.mul(major_left, l.sub(far_minor, both)));
-        let this = l.add(far_major, l.mul(major_left, l.sub(near, far_major)));
+        let far = l.mul(major_left, by_minor);
+        let this = l.add(by_major, l.mul(major_left, l.sub(by_none, by_major)));
         let height = l.add(far, l.mul(minor_left, l.sub(this, far)));
-        let clearance = l.sub(l.add(l.mul(t, ray.slope), eye), height);
-        // And at the end of the cell, on its far edge: from the corner that is far along both,
-        // back along the edge.
+        let clearance = l.sub(l.sub(l.mul(t, ray.slope), corner), height);
+        // And at the end of the cell, on its far edge: back along the edge from that corner.
         let minor_t = l.mul(to_minor, ray.inverse);
-        let by_major = l.lt(to_major, minor_t);
+        let crosses_major = l.lt(to_major, minor_t);
         let next = l.max(l.min(to_major, minor_t), t);
         let left = l.select(
-            by_major,
+            crosses_major,
             l.sub(to_minor, l.mul(next, ray.advance)),
             l.sub(to_major, next),
         );
-        let edge_end = l.select(by_major, far_major, far_minor);
-        let height = l.add(both, l.mul(l.sub(edge_end, both), left));
-        let next_clearance = l.sub(l.add(l.mul(next, ray.slope), eye), height);
+        let height = l.mul(l.select(crosses_major, by_major, by_minor), left);
+        let next_clearance = l.sub(l.sub(l.mul(next, ray.slope), corner), height);
         // Along the cell the clearance is a quadratic; this is its bend over the segment.
-        let twist = l.add(l.sub(near, far_major), l.sub(both, far_minor));
+        let twist = l.sub(l.sub(by_none, by_major), by_minor);
         let length = l.sub(next, t);
         let bend = l.mul(l.mul(twist, ray.advance), l.mul(length, length));
         // Its first root, in the form that neither cancels nor divides by a bend of 0.
@@ -155,8 +160,8 @@ fn pass<L: Lanes>(
         let hit_t = l.add(t, l.mul(share, length));
         l.scatter(hit, ray.id, hit_t, reached);
         let going = l.and_not(l.and(mask, l.lt(next, ray.leave)), hit);
-        let major = l.add_i_where(by_major, major, one_cell);
-        let minor = l.add_i_where(l.and_not(going, by_major), minor, one_cell);
+        let major = l.add_i_where(crosses_major, major, one_cell);
+        let minor = l.add_i_where(l.and_not(going, crosses_major), minor, one_cell);
         let up = l.and(going, l.lt(near_limit, next_clearance));
         kept = wave.put(l, kept, l.and_not(going, up), &ray, next, [major, minor]);
         if l.bits(up) != 0 {
