@@ -1,6 +1,10 @@
 //! Casters that claim to be exact, before the judge; and the judge, before images that are known to
 //! be right or wrong.
 
+#[allow(dead_code, reason = "the benches use more of it")]
+#[path = "../../render/cast/benches/scenes/mod.rs"]
+mod scenes;
+
 use glam::{DVec2, DVec3};
 use sandtable_cast::{Brute, CastPool, Image, PreparedScene, Scene, Sight, caster_by_name, sight};
 use sandtable_terrain::Ground;
@@ -10,6 +14,7 @@ use sandtable_tests::random_views::{Case, Kind, case};
 use sandtable_view::{Attitude, Camera, Ray, View};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The caster that must be exact.
@@ -101,6 +106,30 @@ fn the_exact_caster_sees_what_brute_force_sees() {
         wrong[0].0,
         wrong[0].1
     );
+}
+
+/// The views that the benches measure, of the scenes that `SANDTABLE_BENCH_SCENES` names.
+#[test]
+fn the_exact_caster_sees_what_is_measured() {
+    let names = std::env::var("SANDTABLE_BENCH_SCENES");
+    let names = names.as_deref().unwrap_or("t512,pyrenees,ruby-range");
+    let peers = std::env::var_os("SANDTABLE_PEERS").map(PathBuf::from);
+    let caster = caster_by_name(CASTER).expect("a caster's name");
+    let pool = CastPool::new(0).expect("threads");
+    for name in names.split(',') {
+        let bench = scenes::scene(name, peers.as_deref()).expect("a scene's name");
+        let Some(bench) = bench else {
+            continue;
+        };
+        for standpoint in &bench.views {
+            let image = pool
+                .picture(&*caster, &bench.scene, standpoint.view)
+                .expect("any view will do");
+            let verdict = judge(&bench.scene, &standpoint.view, &image);
+            println!("{name} {}: {verdict}", standpoint.name);
+            assert_eq!(verdict.wrong(), 0, "{name} {}: {verdict}", standpoint.name);
+        }
+    }
 }
 
 #[test]

@@ -17,8 +17,10 @@ pub(super) const NAMES: [&str; 2] = [FILES[0].0, FILES[1].0];
 /// Where the file of scene `name` would lie, or `None` where there is no such scene.
 pub(super) fn file(name: &str) -> Option<PathBuf> {
     let (_, file) = FILES.into_iter().find(|(scene, _)| *scene == name)?;
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    Some(data.join(file))
+    // Tests of several crates come here: the repository's root is where the lock file is.
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = here.ancestors().find(|dir| dir.join("Cargo.lock").exists())?;
+    Some(root.join("../shared/data").join(file))
 }
 
 /// The ground in `file` under a photograph of a pixel a post.
