@@ -16,7 +16,7 @@ const TINTS: [(f32, [f32; 3]); 7] = [
 ];
 
 /// [`TINTS`] at even steps, so that a colour is one look-up.
-const TABLE: [[f32; 3]; 512] = {
+static TABLE: [[f32; 3]; 512] = {
     let mut table = [[0.0; 3]; 512];
     let mut at = 0;
     while at < table.len() {
@@ -36,6 +36,13 @@ const TABLE: [[f32; 3]; 512] = {
     }
     table
 };
+
+/// The tints of heights from the ground's lowest to its highest, in even steps: red, green and blue
+/// up to 255, under light that leaves them as they are.
+#[must_use]
+pub fn hypsometric_tints() -> &'static [[f32; 3]; 512] {
+    &TABLE
+}
 
 /// The tint of a height given as its share of the ground's range, shaded by `light` in [0, 1]
 /// where ½ leaves the tint as it is.

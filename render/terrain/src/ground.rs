@@ -225,6 +225,12 @@ impl Ground {
         &self.heights
     }
 
+    /// Shaded relief at each post: 128 leaves a tint as it is, and 255 is almost twice as bright.
+    #[must_use]
+    pub fn light(&self) -> &TiledRaster<u8> {
+        &self.light
+    }
+
     /// Lowest and highest height in metres.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {

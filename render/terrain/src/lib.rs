@@ -50,7 +50,7 @@ mod tiled;
 mod voxel;
 
 pub use cells::TiledCells;
-pub use colour::{Rgb, hypsometric};
+pub use colour::{Rgb, hypsometric, hypsometric_tints};
 pub use crs::{Crs, CrsRelation, Datum, PlaceError, Projection, WktError};
 pub use error::TerrainError;
 pub use georeference::Georeference;

@@ -347,6 +347,10 @@ impl Lanes for Avx512 {
         )))
     }
     #[inline(always)]
+    fn from_bits(self, bits: __m512i) -> __m512 {
+        on_values!(_mm512_castsi512_ps(bits))
+    }
+    #[inline(always)]
     fn to_float(self, a: __m512i) -> __m512 {
         on_values!(_mm512_cvtepi32_ps(a))
     }
@@ -426,6 +430,35 @@ impl Lanes for Avx512 {
                 _mm512_castsi512_ps(_mm512_permutex2var_epi32(c, odd, d)),
             ]
         })
+    }
+
+    #[inline(always)]
+    fn byte_cells(self, bytes: &SlabView<'_, u8>, at: __m512i, stride: u32) -> [__m512; 4] {
+        assert!(bytes.len() >= stride as usize + 4, "a tile has a cell");
+        // Four bytes are read where two are asked for, so the last places are read from before.
+        let last = bytes.len() - (stride as usize + 4);
+        let last = i32::try_from(last).unwrap_or(i32::MAX);
+        // SAFETY: from each place on there is a row and four bytes.
+        unsafe {
+            let from = _mm512_min_epu32(at, _mm512_set1_epi32(last));
+            let skipped = _mm512_slli_epi32::<3>(_mm512_sub_epi32(at, from));
+            let mask = _mm512_set1_epi32(0xff);
+            let south = _mm512_i32gather_epi32::<1>(from, bytes.as_ptr().cast());
+            let north = bytes.as_ptr().wrapping_add(stride as usize);
+            let north = _mm512_i32gather_epi32::<1>(from, north.cast());
+            let west = _mm512_srlv_epi32(south, skipped);
+            let north_west = _mm512_srlv_epi32(north, skipped);
+            let (east, north_east) = (
+                _mm512_srli_epi32::<8>(west),
+                _mm512_srli_epi32::<8>(north_west),
+            );
+            [
+                _mm512_cvtepi32_ps(_mm512_and_si512(west, mask)),
+                _mm512_cvtepi32_ps(_mm512_and_si512(east, mask)),
+                _mm512_cvtepi32_ps(_mm512_and_si512(north_west, mask)),
+                _mm512_cvtepi32_ps(_mm512_and_si512(north_east, mask)),
+            ]
+        }
     }
 
     #[inline(always)]

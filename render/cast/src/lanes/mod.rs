@@ -80,6 +80,8 @@ pub(crate) trait Lanes: Copy {
     fn add_i_where(self, mask: Self::M, a: Self::I, b: Self::I) -> Self::I;
     /// The value in the first lane of `mask`; in any lane where there is none.
     fn first_i(self, value: Self::I, mask: Self::M) -> i32;
+    /// The numbers of which these are the bits.
+    fn from_bits(self, bits: Self::I) -> Self::F;
     fn to_float(self, a: Self::I) -> Self::F;
     /// Towards zero; any integer where it does not fit.
     fn to_int(self, a: Self::F) -> Self::I;
@@ -108,6 +110,8 @@ pub(crate) trait Lanes: Copy {
     fn halves(self, numbers: &SlabView<'_, u16>, at: Self::I) -> Self::I;
     /// The entry of a table at each lane's place; beyond its end the last one.
     fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
+    /// As `cells`, of bytes.
+    fn byte_cells(self, bytes: &SlabView<'_, u8>, at: Self::I, stride: u32) -> [Self::F; 4];
     /// Four neighbouring texels blended, rounded to bytes: as `cells`, with `east` and `north` in
     /// [0, 1] the weights of the eastern and northern ones. The fourth byte is 255 where it is so
     /// in all four texels.

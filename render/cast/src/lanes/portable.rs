@@ -200,6 +200,10 @@ impl Lanes for Portable {
         value[self.bits(mask).trailing_zeros() as usize % LANES]
     }
     #[inline(always)]
+    fn from_bits(self, bits: I) -> F {
+        bits.map(|bits| f32::from_bits(bits as u32))
+    }
+    #[inline(always)]
     fn to_float(self, a: I) -> F {
         a.map(|a| a as f32)
     }
@@ -258,6 +262,17 @@ impl Lanes for Portable {
             let cell = cell(posts, at[k], stride);
             for (lanes, post) in lanes.iter_mut().zip(cell) {
                 lanes[k] = post;
+            }
+        }
+        lanes
+    }
+    #[inline(always)]
+    fn byte_cells(self, bytes: &SlabView<'_, u8>, at: I, stride: u32) -> [F; 4] {
+        let mut lanes = [[0.0; LANES]; 4];
+        for k in 0..LANES {
+            let cell = cell(bytes, at[k], stride);
+            for (lanes, byte) in lanes.iter_mut().zip(cell) {
+                lanes[k] = f32::from(byte);
             }
         }
         lanes

@@ -108,6 +108,19 @@ impl Axis {
         }
     }
 
+    /// How far into mirrored cell `cell` lies what is `along` from the eye: in the ground's own
+    /// direction, from 0 to 1.
+    #[inline(always)]
+    pub(super) fn inside<L: Lanes>(&self, l: L, along: L::F, cell: L::I) -> L::F {
+        let inside = l.sub(l.add(along, l.splat(self.fraction)), l.to_float(cell));
+        let inside = l.max(l.min(inside, l.splat(1.0)), l.splat(0.0));
+        if self.sign > 0 {
+            inside
+        } else {
+            l.sub(l.splat(1.0), inside)
+        }
+    }
+
     /// The ground's cell that is a mirrored one.
     #[inline(always)]
     fn ground<L: Lanes>(&self, l: L, cell: L::I) -> L::I {

@@ -7,8 +7,8 @@ use super::sectors::Sector;
 use super::wave::{self, CAPACITY, Column};
 use crate::lanes::{LANES, Lanes};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
-use glam::DVec3;
-use sandtable_terrain::Photo;
+use sandtable_terrain::{Ground, Photo, hypsometric_tints};
+use std::sync::LazyLock;
 
 /// A photograph along one axis, as one sector's rays run along it.
 struct Along {
@@ -188,14 +188,41 @@ fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
     numbers[at..].first_chunk_mut().expect("room was made")
 }
 
+/// The ground's own colours, where there is no photo.
+struct Tints<'a> {
+    light: Tiles<'a, u8>,
+    low: f32,
+    /// Tints for each metre.
+    steps: f32,
+    /// Red, green and blue of each tint, as bits of floats.
+    channels: &'static [[u32; 512]; 3],
+}
+
+impl<'a> Tints<'a> {
+    fn new(ground: &'a Ground) -> Self {
+        static CHANNELS: LazyLock<[[u32; 512]; 3]> = LazyLock::new(|| {
+            [0, 1, 2].map(|k| hypsometric_tints().map(|tint| tint[k].to_bits()))
+        });
+        let light = ground.light();
+        let [low, high] = ground.range();
+        let steps = (hypsometric_tints().len() - 1) as f32;
+        Self {
+            light: Tiles::new(light.view(), light.tiles_across(), light.tile_stride()),
+            low,
+            steps: if high > low { steps / (high - low) } else { 0.0 },
+            channels: &CHANNELS,
+        }
+    }
+}
+
 /// Turns what rays reached into pixels.
 pub(super) struct Shader<'a> {
-    frame: &'a Frame<'a>,
     sector: &'a Sector,
     photo: Option<Mapped<'a>>,
     /// Metres a cell along the major and the minor axis.
     metres: [f64; 2],
     field: &'a Field<'a>,
+    tints: Tints<'a>,
     /// Whether the ground is too large for the processor's nearer caches.
     large: bool,
 }
@@ -216,7 +243,6 @@ impl<'a> Shader<'a> {
             [spacing.y, spacing.x]
         };
         Self {
-            frame,
             sector,
             photo: frame
                 .ground
@@ -224,6 +250,7 @@ impl<'a> Shader<'a> {
                 .map(|photo| Mapped::new(photo, frame, [x, y])),
             metres,
             field,
+            tints: Tints::new(frame.ground),
             large: frame.heights.items.len() > 2 * SMALL,
         }
     }
@@ -264,37 +291,39 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The colours of lanes on ground of which there is no photo: its own.
-    #[cold]
-    #[inline(never)]
-    fn colour_ground(
-        &self,
-        chunk: &Chunk<'_>,
-        at: usize,
-        mut bits: u16,
-        colours: &mut [i32; LANES],
-    ) {
-        let first = chunk.directions.at(chunk.step, chunk.first + at as i32);
-        while bits != 0 {
-            let k = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let direction = first + k as f64 * chunk.directions.lane;
-            let t = f64::from(chunk.reached[at + k]) / direction.x.max(1e-6);
-            let point = self.frame.view.eye + t * self.world(direction);
-            let [r, g, b] = self.frame.ground.colour_at(point.x, point.y);
-            colours[k] = i32::from_ne_bytes([r, g, b, 255]);
-        }
-    }
-
-    /// A direction of the sector in world metres.
-    fn world(&self, v: DVec3) -> DVec3 {
-        let major = v.x * f64::from(self.sector.signs[0]) * self.metres[0];
-        let minor = v.y * f64::from(self.sector.signs[1]) * self.metres[1];
-        if self.sector.major == 0 {
-            DVec3::new(major, minor, v.z)
+    /// The ground's own colours where rays reached it: hypsometric tints in shaded relief, as
+    /// [`Ground::colour_at`](sandtable_terrain::Ground::colour_at) has them without a photo.
+    #[inline(always)]
+    fn tints<L: Lanes>(&self, l: L, reached: L::F, advance: L::F) -> L::I {
+        let (field, tints) = (self.field, &self.tints);
+        // How far into its cell each place lies, eastwards and northwards.
+        let cell = field.cell_at(l, reached, advance);
+        let aside = l.mul(reached, advance);
+        let major = field.major.inside(l, reached, cell[0]);
+        let minor = field.minor.inside(l, aside, cell[1]);
+        let [east, north] = if field.major_axis == 0 {
+            [major, minor]
         } else {
-            DVec3::new(minor, major, v.z)
+            [minor, major]
+        };
+        let [x, y] = field.cells(l, cell[0], cell[1]);
+        let place = tints.light.place(l, x, y);
+        let light = l.byte_cells(&tints.light.items, place, tints.light.stride);
+        let light = bilinear(l, light, east, north);
+        // The ground's height, not the hit's: a wall has the colours of the columns behind it.
+        let place = field.heights.place(l, x, y);
+        let height = l.cells(&field.heights.items, place, field.heights.stride);
+        let height = bilinear(l, height, east, north);
+        let share = l.mul(l.sub(height, l.splat(tints.low)), l.splat(tints.steps));
+        let step = l.to_int(l.max(l.add(share, l.splat(0.5)), l.splat(0.0)));
+        let gain = l.mul(light, l.splat(2.0 / 256.0));
+        let mut colour = l.splat_i(255 << 24);
+        for (k, channel) in tints.channels.iter().enumerate() {
+            let tint = l.from_bits(l.look_up(channel, step));
+            let byte = l.to_int(l.min(l.mul(tint, gain), l.splat(255.0)));
+            colour = l.add_i(colour, l.shl_i(byte, l.splat_i(8 * k as i32)));
         }
+        colour
     }
 
     /// Writes the colours and depths of a chunk's pixels, a number a lane (and room for a whole
@@ -340,7 +369,19 @@ impl<'a> Shader<'a> {
         for at in (0..chunk.count).step_by(LANES) {
             let (rest, sky) = (shading.rest[at / LANES], shading.sky[at / LANES]);
             if rest != 0 {
-                self.colour_ground(chunk, at, rest, lanes_mut(colours, at));
+                l.vectorize(
+                    #[inline(always)]
+                    || {
+                        let tints = self.tints(
+                            l,
+                            l.load(lanes(chunk.reached, at)),
+                            l.load(lanes(chunk.advance, at)),
+                        );
+                        let colours = lanes_mut(colours, at);
+                        let others = l.load_i(colours);
+                        l.store_i(l.select_i(l.mask(rest), tints, others), colours);
+                    },
+                );
             }
             if sky != 0 {
                 l.vectorize(
@@ -407,6 +448,14 @@ impl<'a> Shader<'a> {
             }
         }
     }
+}
+
+/// Blends a cell's corners (south-west, south-east, north-west, north-east) at a place in it.
+#[inline(always)]
+fn bilinear<L: Lanes>(l: L, [sw, se, nw, ne]: [L::F; 4], east: L::F, north: L::F) -> L::F {
+    let south = l.add(sw, l.mul(l.sub(se, sw), east));
+    let north_row = l.add(nw, l.mul(l.sub(ne, nw), east));
+    l.add(south, l.mul(l.sub(north_row, south), north))
 }
 
 /// The sky's colours along directions of which the sine of the angle over the horizon is `up`.

@@ -107,21 +107,6 @@ impl Wave {
         l.load(group(&self.t, at))
     }
 
-    #[inline(always)]
-    pub(super) fn advance<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(group(&self.advance, at))
-    }
-
-    #[inline(always)]
-    pub(super) fn inverse<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(group(&self.inverse, at))
-    }
-
-    #[inline(always)]
-    pub(super) fn leave<L: Lanes>(&self, l: L, at: usize) -> L::F {
-        l.load(group(&self.leave, at))
-    }
-
     /// The mirrored cell that each ray is in.
     #[inline(always)]
     pub(super) fn cell<L: Lanes>(&self, l: L, at: usize) -> [L::I; 2] {
