@@ -170,7 +170,7 @@ pub(crate) struct FlyArgs {
     pub(crate) swap_eyes: bool,
 
     /// The caster, with its options: NAME or NAME?KEY=VALUE&KEY=VALUE (see `sandtable casters`).
-    #[arg(long, value_name = "CASTER", default_value = "coherent")]
+    #[arg(long, value_name = "CASTER", default_value = "planes")]
     pub(crate) caster: String,
 
     /// Casting threads; 0 takes one for each core.
@@ -241,7 +241,7 @@ pub(crate) struct RenderArgs {
     pub(crate) path: Option<PathBuf>,
 
     /// The caster, with its options: NAME or NAME?KEY=VALUE&KEY=VALUE (see `sandtable casters`).
-    #[arg(long, value_name = "CASTER", default_value = "coherent")]
+    #[arg(long, value_name = "CASTER", default_value = "planes")]
     pub(crate) caster: String,
 
     /// Casting threads; 0 takes one for each core.

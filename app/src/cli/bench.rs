@@ -8,9 +8,9 @@ use std::path::PathBuf;
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  sandtable bench 'builtin:ridges?size=1025' --caster brute --caster coherent --plot speeds.svg\n  \
-    sandtable bench mountains.tif --view ridge.toml --caster brute --caster coherent --check --json\n  \
-    sandtable bench --caster coherent --threads 2 --scheme stealing --scheme interleave --scheme pool"
+    after_help = "Examples:\n  sandtable bench 'builtin:ridges?size=1025' --caster brute --caster planes --plot speeds.svg\n  \
+    sandtable bench mountains.tif --view ridge.toml --caster brute --caster planes --check --json\n  \
+    sandtable bench --caster planes --threads 2 --scheme stealing --scheme interleave --scheme pool"
 )]
 pub(crate) struct BenchArgs {
     #[command(flatten)]

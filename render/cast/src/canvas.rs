@@ -85,8 +85,12 @@ impl<'a> Canvas<'a> {
         let depth = &self.depth[from..from + N];
         // SAFETY: as in `set_row`.
         unsafe {
-            AtomicU32::as_ptr(&colour[0]).cast::<[i32; N]>().write_unaligned(*colours);
-            AtomicU32::as_ptr(&depth[0]).cast::<[i32; N]>().write_unaligned(*depths);
+            AtomicU32::as_ptr(&colour[0])
+                .cast::<[i32; N]>()
+                .write_unaligned(*colours);
+            AtomicU32::as_ptr(&depth[0])
+                .cast::<[i32; N]>()
+                .write_unaligned(*depths);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! A ray's track over the grid: from grid line to grid line of its major axis, in fixed point.
 
-use bytemuck::Zeroable;
 use crate::intersect::GridRay;
 use crate::tally::Tally;
+use bytemuck::Zeroable;
 use sandtable_terrain::{Pyramid, TiledRaster};
 
 /// Heights and colours of a pyramid, at the level that suits the distance.

@@ -38,17 +38,18 @@ impl CasterKind {
 /// All casters, the default one first.
 pub static CASTERS: [CasterKind; 12] = [
     CasterKind {
+        name: "planes",
+        summary: "along vertical planes away from the nadir: exact for any eye and \
+                  window, and fast",
+        options: &Planes::OPTIONS,
+        build: |options| Ok(Arc::new(Planes::read(options)?)),
+    },
+    CasterKind {
         name: "coherent",
         summary: "each column from its bottom up, starting at the last hit, with retracing: for \
                   level views",
         options: &[],
         build: |_| Ok(Arc::new(Coherent)),
-    },
-    CasterKind {
-        name: "planes",
-        summary: "coherence along vertical planes, exact for any eye and window",
-        options: &Planes::OPTIONS,
-        build: |options| Ok(Arc::new(Planes::read(options)?)),
     },
     CasterKind {
         name: "volume",

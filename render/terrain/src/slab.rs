@@ -61,7 +61,6 @@ impl<T> Slab<T> {
     pub fn slot_len(&self) -> usize {
         self.slot_len
     }
-
 }
 
 /// One slot's items. Its memory is free again when it is dropped.

@@ -19,7 +19,9 @@ pub(super) fn file(name: &str) -> Option<PathBuf> {
     let (_, file) = FILES.into_iter().find(|(scene, _)| *scene == name)?;
     // Tests of several crates come here: the repository's root is where the lock file is.
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let root = here.ancestors().find(|dir| dir.join("Cargo.lock").exists())?;
+    let root = here
+        .ancestors()
+        .find(|dir| dir.join("Cargo.lock").exists())?;
     Some(root.join("../shared/data").join(file))
 }
 

@@ -81,7 +81,7 @@ pub(crate) trait Lanes: Copy {
     /// The value in the first lane of `mask`; in any lane where there is none.
     fn first_i(self, value: Self::I, mask: Self::M) -> i32;
     /// The numbers of which these are the bits.
-    fn from_bits(self, bits: Self::I) -> Self::F;
+    fn float_of_bits(self, bits: Self::I) -> Self::F;
     fn to_float(self, a: Self::I) -> Self::F;
     /// Towards zero; any integer where it does not fit.
     fn to_int(self, a: Self::F) -> Self::I;

@@ -103,9 +103,7 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn select(self, mask: M, yes: F, no: F) -> F {
-        each(|k| {
-            f32::from_bits((yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k]))
-        })
+        each(|k| f32::from_bits((yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k])))
     }
     #[inline(always)]
     fn add_where(self, mask: M, a: F, b: F) -> F {
@@ -200,7 +198,7 @@ impl Lanes for Portable {
         value[self.bits(mask).trailing_zeros() as usize % LANES]
     }
     #[inline(always)]
-    fn from_bits(self, bits: I) -> F {
+    fn float_of_bits(self, bits: I) -> F {
         bits.map(|bits| f32::from_bits(bits as u32))
     }
     #[inline(always)]
@@ -290,14 +288,7 @@ impl Lanes for Portable {
         each(|k| table[(at[k] as u32 as usize).min(last)] as i32)
     }
     #[inline(always)]
-    fn texels(
-        self,
-        texels: &SlabView<'_, [u8; 4]>,
-        at: I,
-        stride: u32,
-        east: F,
-        north: F,
-    ) -> I {
+    fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
         each(|k| {
             let [sw, se, nw, ne] = cell(texels, at[k], stride);
             let (east, north) = (weight(east[k]), weight(north[k]));

@@ -42,7 +42,11 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
             l.mul(l.to_float(code), l.splat(field.code_step)),
             l.splat(field.code_base),
         );
-        let (major_cell, minor_cell) = if field.major_axis == 0 { (x, y) } else { (y, x) };
+        let (major_cell, minor_cell) = if field.major_axis == 0 {
+            (x, y)
+        } else {
+            (y, x)
+        };
         let (major_first, major_last) = block(l, &field.major, major, major_cell, level);
         let (minor_first, minor_last) = block(l, &field.minor, minor, minor_cell, level);
         let major_t = line(l, &field.major, major_last);
@@ -75,15 +79,7 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
         let level = l.min_i(level, top);
         let going = l.and_not(mask, left);
         let high = l.gt_i(level, zero);
-        kept = wave.put_at_level(
-            l,
-            kept,
-            l.and(going, high),
-            &ray,
-            t,
-            [major, minor],
-            level,
-        );
+        kept = wave.put_at_level(l, kept, l.and(going, high), &ray, t, [major, minor], level);
         let down = l.and_not(going, high);
         if l.bits(down) != 0 {
             landed = low.put(l, landed, down, &ray, t, [major, minor]);

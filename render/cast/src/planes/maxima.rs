@@ -22,7 +22,7 @@ pub(super) const LEVEL_BEGIN: [i32; TOP as usize + 1] = {
 pub(super) const BLOCKS: usize = LEVEL_BEGIN[TOP as usize] as usize + 1;
 
 /// For each tile of the ground, upper bounds of the height in blocks of 2ˡ × 2ˡ cells, l from 1 to
-/// [`TOP`], row by row from the south-west, in steps of 1/65535 of the ground's range.
+/// [`TOP`], row by row from the south-west, in even steps.
 #[derive(Clone)]
 pub(super) struct Maxima {
     slab: Arc<Slab<u16>>,
@@ -36,8 +36,10 @@ impl Maxima {
     /// Of all tiles of `ground`, in parallel.
     pub(super) fn new(ground: &Ground) -> Self {
         let [low, high] = ground.range();
-        // A step too long by a little: the highest code must not fall short of the highest post.
-        let step = ((high - low) / 65534.0).max(f32::MIN_POSITIVE) * 1.000_001;
+        // Half the range below and above is left to edits. And a step too long by a little: the
+        // highest code must not fall short of the highest post.
+        let low = low - 0.5 * (high - low);
+        let step = ((high - low) / 49150.0).max(f32::MIN_POSITIVE) * 1.000_001;
         let indices: Vec<_> = ground.heights().tile_indices().collect();
         let slab = Slab::new(indices.len() + indices.len() / 8 + 4, BLOCKS);
         let mut maxima = Self {
@@ -131,14 +133,48 @@ impl Maxima {
     }
 }
 
-/// The steepest the ground is along a row of posts, eastwards, and along a column, northwards:
+/// How steep the ground is at most, along a row of posts, eastwards, and along a column, northwards:
 /// metres a cell.
-pub(super) fn steepest(ground: &Ground) -> [f32; 2] {
-    let heights = ground.heights();
-    let stride = heights.tile_stride();
-    let indices: Vec<_> = heights.tile_indices().collect();
-    let of_tile = |&index: &TileIndex| {
-        let posts = heights.tile_posts(index);
+#[derive(Clone)]
+pub(super) struct Steepness {
+    /// Of each tile, in the order of the ground's tiles.
+    tiles: Vec<[f32; 2]>,
+}
+
+impl Steepness {
+    /// Of all tiles of `ground`, in parallel.
+    pub(super) fn new(ground: &Ground) -> Self {
+        let indices: Vec<_> = ground.heights().tile_indices().collect();
+        Self {
+            tiles: indices
+                .into_par_iter()
+                .map(|index| Self::of_tile(ground, index))
+                .collect(),
+        }
+    }
+
+    /// With the `changed` tiles looked at anew.
+    pub(super) fn updated(&self, ground: &Ground, changed: &[TileIndex]) -> Self {
+        let mut result = self.clone();
+        let across = ground.heights().tiles_across();
+        for &index in changed {
+            let slot = (index.row * across + index.col) as usize;
+            if let Some(tile) = result.tiles.get_mut(slot) {
+                *tile = Self::of_tile(ground, index);
+            }
+        }
+        result
+    }
+
+    /// Anywhere.
+    pub(super) fn steepest(&self) -> [f32; 2] {
+        let greater = |a: [f32; 2], b: &[f32; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+        self.tiles.iter().fold([0.0; 2], greater)
+    }
+
+    fn of_tile(ground: &Ground, index: TileIndex) -> [f32; 2] {
+        let stride = ground.heights().tile_stride();
+        let posts = ground.heights().tile_posts(index);
         let mut steepest = [0.0_f32; 2];
         for row in posts.chunks_exact(stride) {
             for pair in row.windows(2) {
@@ -149,10 +185,65 @@ pub(super) fn steepest(ground: &Ground) -> [f32; 2] {
             steepest[1] = steepest[1].max((north - south).abs());
         }
         steepest
-    };
-    let greater = |a: [f32; 2], b: [f32; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-    indices
-        .par_iter()
-        .map(of_tile)
-        .reduce(|| [0.0; 2], greater)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    fn ground(height: impl Fn(u32, u32) -> f32 + Sync) -> Ground {
+        Ground::from_fn(300, 270, DVec2::ONE, height).expect("a sound grid")
+    }
+
+    fn rough(col: u32, row: u32) -> f32 {
+        ((col * 37 + row * 91) % 113) as f32 * 1.7 - 40.0
+    }
+
+    #[test]
+    fn blocks_are_bounded_from_above_and_tightly() {
+        let ground = ground(rough);
+        let maxima = Maxima::new(&ground);
+        let view = maxima.view();
+        for (tile, index) in ground.heights().tile_indices().enumerate() {
+            let blocks = view.from_place(view.bases()[tile]);
+            for level in 1..=TOP {
+                let side = TILE_CELLS >> level;
+                for (row, col) in (0..side).flat_map(|row| (0..side).map(move |col| (row, col))) {
+                    let first = |at: u32, tile: u32| tile * TILE_CELLS + (at << level);
+                    let (x, y) = (first(col, index.col), first(row, index.row));
+                    if x >= 299 || y >= 269 {
+                        continue;
+                    }
+                    let code =
+                        blocks[LEVEL_BEGIN[level as usize] as usize + (row * side + col) as usize];
+                    let bound = maxima.base + f32::from(code) * maxima.step;
+                    let (right, top) = ((x + (1 << level)).min(299), (y + (1 << level)).min(269));
+                    let posts = (y..=top).flat_map(|y| (x..=right).map(move |x| rough(x, y)));
+                    let highest = posts.fold(f32::NEG_INFINITY, f32::max);
+                    assert!(bound >= highest && bound <= highest + 2.0 * maxima.step);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_edit_is_followed() {
+        let before = ground(rough);
+        let edited = before.edited(250..258, 100..103, |_, _, height| height + 35.0);
+        let (after, changed) = edited.expect("finite");
+        let maxima = Maxima::new(&before).updated(&after, &changed);
+        let steepness = Steepness::new(&before).updated(&after, &changed);
+        assert_eq!(steepness.steepest(), Steepness::new(&after).steepest());
+        assert!(steepness.steepest()[0] > Steepness::new(&before).steepest()[0]);
+        let view = maxima.view();
+        let bound = |place: usize| {
+            let code = view.from_place(view.bases()[place])[LEVEL_BEGIN[TOP as usize] as usize];
+            maxima.base + f32::from(code) * maxima.step
+        };
+        let [_, high] = after.range();
+        assert!(bound(0) >= high - 20.0 && bound(1) >= high - 20.0);
+        assert!(bound(0).max(bound(1)) >= high);
+    }
 }

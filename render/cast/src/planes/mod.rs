@@ -14,7 +14,7 @@ mod wave;
 
 use self::field::Tiles;
 use self::frame::Frame;
-use self::maxima::{Maxima, steepest};
+use self::maxima::{Maxima, Steepness};
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{ImageRays, Sector};
 use crate::brute::cast_row;
@@ -59,7 +59,7 @@ impl Caster for Planes {
         Ok(Arc::new(PlanesScene {
             isa: self.isa,
             maxima: Maxima::new(&scene.ground),
-            steepest: steepest(&scene.ground),
+            steepness: Steepness::new(&scene.ground),
             scene,
         }))
     }
@@ -69,7 +69,7 @@ struct PlanesScene {
     isa: Isa,
     scene: Arc<Scene>,
     maxima: Maxima,
-    steepest: [f32; 2],
+    steepness: Steepness,
 }
 
 /// How many pixels of a step a sector has at most, about.
@@ -135,7 +135,7 @@ impl UnitCaster for PlanesScene {
         Ok(Arc::new(Self {
             isa: self.isa,
             maxima: self.maxima.updated(&scene.ground, changed),
-            steepest: steepest(&scene.ground),
+            steepness: self.steepness.updated(&scene.ground, changed),
             scene,
         }))
     }
@@ -155,7 +155,11 @@ impl UnitCaster for PlanesScene {
         );
         Ok(Frame {
             isa: self.isa,
-            heights: Tiles::new(heights.view(), heights.tiles_across(), heights.tile_stride()),
+            heights: Tiles::new(
+                heights.view(),
+                heights.tiles_across(),
+                heights.tile_stride(),
+            ),
             maxima: Tiles::new(self.maxima.view(), heights.tiles_across(), 0),
             cells: [grid.cols as i32 - 1, grid.rows as i32 - 1],
             ground,
@@ -166,7 +170,7 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
-            steepest: self.steepest,
+            steepest: self.steepness.steepest(),
             code_base: self.maxima.base,
             code_step: self.maxima.step,
             near: 3.0 * grid.cell_length() as f32,

@@ -4,8 +4,8 @@ use super::climb::{climb, level_for};
 use super::field::{Axis, Field};
 use super::frame::Frame;
 use super::maxima::TOP;
-use super::sectors::Sector;
 use super::pixels::PixelBlock;
+use super::sectors::Sector;
 use super::shade::{Chunk, Shader, Shading};
 use super::walk::{Passage, walk};
 use super::wave::{CHUNK, Ray, Wave};
@@ -178,11 +178,14 @@ impl<'a, L: Lanes> March<'a, L> {
         let axis = |number: usize, sign| Axis::new(eye[number], frame.cells[number], sign);
         let major = axis(sector.major, sector.signs[0]);
         let minor = axis(1 - sector.major, sector.signs[1]);
-        let bounds = [major, minor].map(|axis| {
-            [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]
-        });
+        let bounds =
+            [major, minor].map(|axis| [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]);
         let [x, y, w] = frame.rays.vertical();
-        let (across, along) = if sector.step_axis == 0 { (y, x) } else { (x, y) };
+        let (across, along) = if sector.step_axis == 0 {
+            (y, x)
+        } else {
+            (x, y)
+        };
         // Steps count from the first one on, in the sector's direction.
         let direction = f64::from(sector.direction);
         let vertical = [
@@ -219,10 +222,18 @@ impl<'a, L: Lanes> March<'a, L> {
     /// that is not steeper than `steepest` cannot come between them. What that ray passed over is
     /// passed over by the group's rays then.
     #[inline(always)]
-    fn predecessor(&self, step: u32, slope: [f64; 2], first: i32, last: i32) -> Option<Predecessor> {
+    fn predecessor(
+        &self,
+        step: u32,
+        slope: [f64; 2],
+        first: i32,
+        last: i32,
+    ) -> Option<Predecessor> {
         let ends = [first, last].map(|lane| self.directions.at(step, lane));
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
-        let Directions { step: u, lane: v, .. } = self.directions;
+        let Directions {
+            step: u, lane: v, ..
+        } = self.directions;
         for steps in 1..=MEMORY.min(step as usize) - usize::from(MEMORY <= step as usize) {
             let lanes = (slope * steps as f64).round();
             let to = lanes * v - steps as f64 * u;
@@ -233,7 +244,9 @@ impl<'a, L: Lanes> March<'a, L> {
                 let aside = end.y * to.x - to.y * end.x;
                 // Rays that enter the ground from its side must do so no earlier.
                 let enters_later = self.bounds[1][0] <= 0.0 || aside <= 0.0;
-                sound &= higher >= 1.001 * self.steepest * aside.abs() && enters_later && end.x + to.x > 0.0;
+                sound &= higher >= 1.001 * self.steepest * aside.abs()
+                    && enters_later
+                    && end.x + to.x > 0.0;
                 rise = rise.min(higher / (end.x * (end.x + to.x)));
             }
             if sound {
@@ -287,7 +300,13 @@ impl<'a, L: Lanes> March<'a, L> {
                     advance: &scratch.advance[numbers.clone()],
                     slope: &scratch.slope[numbers],
                 };
-                PixelBlock::prefetch(self.l, canvas, self.sector, step, [first, first + count as i32]);
+                PixelBlock::prefetch(
+                    self.l,
+                    canvas,
+                    self.sector,
+                    step,
+                    [first, first + count as i32],
+                );
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
             }
@@ -307,7 +326,9 @@ impl<'a, L: Lanes> March<'a, L> {
             if low <= unfinished && high <= unfinished {
                 break;
             }
-            if high > unfinished && high > low {
+            let climbs = high > unfinished && high > low;
+            let looked_at = if climbs { high } else { low };
+            if climbs {
                 l.vectorize(
                     #[inline(always)]
                     || {
@@ -331,7 +352,9 @@ impl<'a, L: Lanes> March<'a, L> {
                     self.frame.near,
                 );
             }
-            tally.cell();
+            for _ in 0..looked_at {
+                tally.cell();
+            }
         }
         if unfinished > 0 {
             l.vectorize(
@@ -353,13 +376,7 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
     #[inline(always)]
-    fn set_out<T: Tally>(
-        &self,
-        step: u32,
-        lanes: [i32; 2],
-        scratch: &mut Scratch,
-        tally: &mut T,
-    ) {
+    fn set_out<T: Tally>(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
         let l = self.l;
         let zero = l.splat(0.0);
         let one = l.splat(1.0);
@@ -455,15 +472,10 @@ impl<'a, L: Lanes> March<'a, L> {
                 }
                 let fresh = l.and(fresh, l.lt(start, leave));
                 let cell = self.field.cell_at(l, start, advance);
-                high_end = scratch.high.put_at_level(
-                    l,
-                    high_end,
-                    fresh,
-                    &ray,
-                    start,
-                    cell,
-                    highest_level,
-                );
+                high_end =
+                    scratch
+                        .high
+                        .put_at_level(l, high_end, fresh, &ray, start, cell, highest_level);
             }
             for _ in 0..count {
                 tally.ray();

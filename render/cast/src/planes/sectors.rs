@@ -128,17 +128,22 @@ impl Part {
             signs: self.signs.clone(),
         };
         part.signs.push(side.positive);
-        if self.corners.iter().any(|&corner| value(corner) < 2.0 * slack) {
+        if self
+            .corners
+            .iter()
+            .any(|&corner| value(corner) < 2.0 * slack)
+        {
             part.sides.push(side);
         }
         (!part.corners.is_empty()).then_some(part)
     }
 
     fn range(&self, axis: usize) -> [f64; 2] {
-        self.corners.iter().fold(
-            [f64::INFINITY, f64::NEG_INFINITY],
-            |[low, high], corner| [low.min(corner[axis]), high.max(corner[axis])],
-        )
+        self.corners
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
+                [low.min(corner[axis]), high.max(corner[axis])]
+            })
     }
 }
 
@@ -152,7 +157,13 @@ pub(super) struct ImageRays {
 
 impl ImageRays {
     /// From the rays of two neighbours of the first pixel, with a cell's sides as units.
-    pub(super) fn new(first: Ray, right: Ray, below: Ray, per_metre: DVec3, size: [u32; 2]) -> Self {
+    pub(super) fn new(
+        first: Ray,
+        right: Ray,
+        below: Ray,
+        per_metre: DVec3,
+        size: [u32; 2],
+    ) -> Self {
         let first_direction = first.direction * per_metre;
         Self {
             first: first_direction,
@@ -220,16 +231,19 @@ impl ImageRays {
         ];
         let mut parts = vec![whole];
         for line in lines {
-            let split = |part: &Part| {
-                [true, false].map(|positive| part.on(Side { line, positive }))
-            };
+            let split =
+                |part: &Part| [true, false].map(|positive| part.on(Side { line, positive }));
             parts = parts.iter().flat_map(split).flatten().collect();
         }
         let mut sectors = Vec::new();
         for part in parts {
             let positive = |k: usize| part.signs[k];
             let step_axis = usize::from(positive(0) != positive(1));
-            let backwards = if step_axis == 0 { positive(0) } else { positive(1) };
+            let backwards = if step_axis == 0 {
+                positive(0)
+            } else {
+                positive(1)
+            };
             let direction = if backwards { -1 } else { 1 };
             let major = usize::from(positive(4) != positive(5));
             let axis_signs = [positive(2), positive(3)].map(|p| if p { 1 } else { -1 });

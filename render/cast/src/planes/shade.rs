@@ -39,10 +39,7 @@ impl Along {
     /// whether the photo has both.
     #[inline(always)]
     fn locate<L: Lanes>(&self, l: L, advance: L::F) -> (L::I, L::F, L::M) {
-        let along = l.add(
-            l.mul(advance, l.splat(self.pixels)),
-            l.splat(self.fraction),
-        );
+        let along = l.add(l.mul(advance, l.splat(self.pixels)), l.splat(self.fraction));
         let whole = l.to_int(along);
         let share = l.sub(along, l.to_float(whole));
         let (at, share) = if self.sign > 0 {
@@ -53,10 +50,7 @@ impl Along {
                 l.sub(l.splat(1.0), share),
             )
         };
-        let off = l.or(
-            l.gt_i(l.splat_i(0), at),
-            l.gt_i(at, l.splat_i(self.last)),
-        );
+        let off = l.or(l.gt_i(l.splat_i(0), at), l.gt_i(at, l.splat_i(self.last)));
         (at, share, off)
     }
 
@@ -200,16 +194,19 @@ struct Tints<'a> {
 
 impl<'a> Tints<'a> {
     fn new(ground: &'a Ground) -> Self {
-        static CHANNELS: LazyLock<[[u32; 512]; 3]> = LazyLock::new(|| {
-            [0, 1, 2].map(|k| hypsometric_tints().map(|tint| tint[k].to_bits()))
-        });
+        static CHANNELS: LazyLock<[[u32; 512]; 3]> =
+            LazyLock::new(|| [0, 1, 2].map(|k| hypsometric_tints().map(|tint| tint[k].to_bits())));
         let light = ground.light();
         let [low, high] = ground.range();
         let steps = (hypsometric_tints().len() - 1) as f32;
         Self {
             light: Tiles::new(light.view(), light.tiles_across(), light.tile_stride()),
             low,
-            steps: if high > low { steps / (high - low) } else { 0.0 },
+            steps: if high > low {
+                steps / (high - low)
+            } else {
+                0.0
+            },
             channels: &CHANNELS,
         }
     }
@@ -319,7 +316,7 @@ impl<'a> Shader<'a> {
         let gain = l.mul(light, l.splat(2.0 / 256.0));
         let mut colour = l.splat_i(255 << 24);
         for (k, channel) in tints.channels.iter().enumerate() {
-            let tint = l.from_bits(l.look_up(channel, step));
+            let tint = l.float_of_bits(l.look_up(channel, step));
             let byte = l.to_int(l.min(l.mul(tint, gain), l.splat(255.0)));
             colour = l.add_i(colour, l.shl_i(byte, l.splat_i(8 * k as i32)));
         }
@@ -399,13 +396,7 @@ impl<'a> Shader<'a> {
     }
 
     #[inline(always)]
-    fn locate<L: Lanes>(
-        &self,
-        l: L,
-        chunk: &Chunk<'_>,
-        shading: &mut Shading,
-        depths: &mut [f32],
-    ) {
+    fn locate<L: Lanes>(&self, l: L, chunk: &Chunk<'_>, shading: &mut Shading, depths: &mut [f32]) {
         let minor_metres = l.splat(self.metres[1] as f32);
         let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
         let infinity = l.splat(f32::INFINITY);
