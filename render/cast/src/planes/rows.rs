@@ -37,7 +37,7 @@ pub(super) struct Scratch {
 }
 
 /// Rays that may stay on their way while the next step begins.
-const UNFINISHED: usize = 4 * LANES;
+const UNFINISHED: usize = 2 * LANES;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
