@@ -109,6 +109,10 @@ impl Part {
     fn on(&self, side: Side) -> Option<Self> {
         let sign = if side.positive { 1.0 } else { -1.0 };
         let slack = side.line.along[0].abs() + side.line.along[1].abs();
+        if slack == 0.0 && (side.line.at_origin >= 0.0) != side.positive {
+            // The whole image is on the other side.
+            return None;
+        }
         let value = |corner: [f64; 2]| sign * side.line.at(corner) + slack;
         let mut corners = Vec::with_capacity(self.corners.len() + 1);
         for (k, &from) in self.corners.iter().enumerate() {
@@ -302,5 +306,88 @@ impl ImageRays {
         }
         parts.push(rest);
         parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sandtable_view::{Attitude, Camera, Screen, View};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    fn rays(view: &View, per_metre: DVec3) -> ImageRays {
+        let [first, right, below] = [[0, 0], [1, 0], [0, 1]].map(|[i, j]| view.ray(i, j));
+        ImageRays::new(first, right, below, per_metre, view.size)
+    }
+
+    fn views() -> Vec<View> {
+        let mut views = Vec::new();
+        // Odd sizes have a pixel right below the eye, and lines through pixels' centres.
+        for size in [[41, 41], [40, 40], [64, 35], [35, 64]] {
+            for pitch in [-FRAC_PI_2, -1.2, -0.5, 0.0, 0.4, FRAC_PI_2] {
+                for (yaw, roll) in [(0.0, 0.0), (FRAC_PI_4, 0.0), (0.0, FRAC_PI_4), (1.1, 2.3)] {
+                    let attitude = Attitude { yaw, pitch, roll };
+                    let camera = Camera {
+                        eye: DVec3::new(3.0, 4.0, 5.0),
+                        attitude,
+                        horizontal_fov: FRAC_PI_2,
+                    };
+                    views.push(camera.view(size));
+                }
+            }
+            views.push(View {
+                eye: DVec3::new(0.25, -0.5, 1.0),
+                window: Screen::horizontal(2.0, 2.0),
+                size,
+            });
+        }
+        views
+    }
+
+    #[test]
+    fn each_pixel_is_in_one_sector() {
+        for (per_metre, width) in [(DVec3::ONE, 512), (DVec3::new(0.5, 1.0, 1.0), 7)] {
+            for view in views() {
+                let [w, h] = view.size;
+                let mut owners = vec![0; (w * h) as usize];
+                for sector in rays(&view, per_metre).sectors(width) {
+                    for k in 0..sector.steps {
+                        let [from, to] = sector.lanes(k);
+                        for lane in from..to {
+                            let step = sector.image_step(k);
+                            let [i, j] = if sector.step_axis == 1 {
+                                [lane as u32, step]
+                            } else {
+                                [step, lane as u32]
+                            };
+                            owners[(j * w + i) as usize] += 1;
+                        }
+                    }
+                }
+                let wrong = owners.iter().position(|&owners| owners != 1);
+                assert_eq!(wrong, None, "{view:?} in strips of {width}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_a_sector_run_its_way() {
+        for view in views() {
+            let image = rays(&view, DVec3::ONE);
+            for sector in image.sectors(512) {
+                for k in 0..sector.steps {
+                    let [from, to] = sector.lanes(k);
+                    for lane in from..to {
+                        let mut pixel = [f64::from(sector.image_step(k)); 2];
+                        pixel[1 - sector.step_axis] = f64::from(lane);
+                        let d = image.first + pixel[0] * image.steps[0] + pixel[1] * image.steps[1];
+                        let along = [d.x, d.y];
+                        let major = along[sector.major] * f64::from(sector.signs[0]);
+                        let minor = along[1 - sector.major] * f64::from(sector.signs[1]);
+                        assert!(minor >= -1e-9 && major >= minor - 1e-9, "{view:?}");
+                    }
+                }
+            }
+        }
     }
 }
