@@ -23,9 +23,7 @@ impl Avx512 {
 macro_rules! on_values {
     ($intrinsic:expr) => {
         // SAFETY: whoever holds an `Avx512` has seen that the processor has the instruction.
-        unsafe {
-            $intrinsic
-        }
+        unsafe { $intrinsic }
     };
 }
 
@@ -111,49 +109,49 @@ fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 #[inline]
 fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m512) -> __m512i {
-            let scale = _mm512_set1_ps(32767.0);
-            let east = _mm512_cvttps_epi32(_mm512_mul_ps(east, scale));
-            let north = _mm512_cvttps_epi32(_mm512_mul_ps(north, scale));
-            // A lane's weight on each of its four channels.
-            let spread = |weights: __m256i| {
-                let wide = _mm512_cvtepu32_epi64(weights);
-                let pair = _mm512_or_si512(wide, _mm512_slli_epi64::<16>(wide));
-                _mm512_or_si512(pair, _mm512_slli_epi64::<32>(pair))
-            };
-            // Eight lanes' western and eastern texels, 16 bits a channel, six of them a fraction.
-            let west_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
-                0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
-            ));
-            let east_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
-                4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
-            ));
-            let along = |from, to, share| {
-                _mm512_add_epi16(from, _mm512_mulhrs_epi16(_mm512_sub_epi16(to, from), share))
-            };
-            let row = |pairs, share| {
-                let west = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, west_of));
-                let east = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, east_of));
-                along(west, east, share)
-            };
-            let eight = |south, north_row, east: __m256i, north: __m256i| {
-                let east = spread(east);
-                let blended = along(row(south, east), row(north_row, east), spread(north));
-                let rounded = _mm512_add_epi16(blended, _mm512_set1_epi16(32));
-                _mm512_cvtepi16_epi8(_mm512_srli_epi16::<6>(rounded))
-            };
-            let low = eight(
-                south[0],
-                north_row[0],
-                _mm512_castsi512_si256(east),
-                _mm512_castsi512_si256(north),
-            );
-            let high = eight(
-                south[1],
-                north_row[1],
-                _mm512_extracti64x4_epi64::<1>(east),
-                _mm512_extracti64x4_epi64::<1>(north),
-            );
-            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+    let scale = _mm512_set1_ps(32767.0);
+    let east = _mm512_cvttps_epi32(_mm512_mul_ps(east, scale));
+    let north = _mm512_cvttps_epi32(_mm512_mul_ps(north, scale));
+    // A lane's weight on each of its four channels.
+    let spread = |weights: __m256i| {
+        let wide = _mm512_cvtepu32_epi64(weights);
+        let pair = _mm512_or_si512(wide, _mm512_slli_epi64::<16>(wide));
+        _mm512_or_si512(pair, _mm512_slli_epi64::<32>(pair))
+    };
+    // Eight lanes' western and eastern texels, 16 bits a channel, six of them a fraction.
+    let west_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
+        0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
+    ));
+    let east_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
+        4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
+    ));
+    let along = |from, to, share| {
+        _mm512_add_epi16(from, _mm512_mulhrs_epi16(_mm512_sub_epi16(to, from), share))
+    };
+    let row = |pairs, share| {
+        let west = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, west_of));
+        let east = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, east_of));
+        along(west, east, share)
+    };
+    let eight = |south, north_row, east: __m256i, north: __m256i| {
+        let east = spread(east);
+        let blended = along(row(south, east), row(north_row, east), spread(north));
+        let rounded = _mm512_add_epi16(blended, _mm512_set1_epi16(32));
+        _mm512_cvtepi16_epi8(_mm512_srli_epi16::<6>(rounded))
+    };
+    let low = eight(
+        south[0],
+        north_row[0],
+        _mm512_castsi512_si256(east),
+        _mm512_castsi512_si256(north),
+    );
+    let high = eight(
+        south[1],
+        north_row[1],
+        _mm512_extracti64x4_epi64::<1>(east),
+        _mm512_extracti64x4_epi64::<1>(north),
+    );
+    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
 }
 
 /// Columns for rows: within quarters of registers first, then whole quarters.
@@ -416,8 +414,7 @@ impl Lanes for Avx512 {
     fn cells(self, posts: &SlabView<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
         let [[a, b], [c, d]] = rows(posts, at, stride);
         on_values!({
-            let even =
-                _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
             [
                 _mm512_castsi512_ps(_mm512_permutex2var_epi32(a, even, b)),
@@ -436,10 +433,8 @@ impl Lanes for Avx512 {
         // SAFETY: four bytes can be read from each place on.
         unsafe {
             let last = _mm512_set1_epi32(last);
-            let pairs = _mm512_i32gather_epi32::<2>(
-                _mm512_min_epu32(at, last),
-                numbers.as_ptr().cast(),
-            );
+            let pairs =
+                _mm512_i32gather_epi32::<2>(_mm512_min_epu32(at, last), numbers.as_ptr().cast());
             let wanted = _mm512_and_si512(pairs, _mm512_set1_epi32(0xffff));
             let behind = _mm512_cmpgt_epu32_mask(at, last);
             _mm512_mask_srli_epi32::<16>(wanted, behind, pairs)
@@ -448,6 +443,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn look_up(self, table: &[u32], at: __m512i) -> __m512i {
+        assert!(!table.is_empty());
         let last = i32::try_from(table.len() - 1).unwrap_or(i32::MAX);
         // SAFETY: no place is behind the last entry.
         unsafe {

@@ -10,9 +10,17 @@
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions of one processor")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions of one processor")]
 mod avx512;
 mod isa;
+#[cfg(target_arch = "aarch64")]
+#[allow(unsafe_code, reason = "instructions of one processor")]
+mod neon;
 mod portable;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use isa::{Isa, Kernel};
 pub(crate) use portable::Portable;
