@@ -139,6 +139,8 @@ pub struct SlabView<'a, T> {
     /// The slots by their numbers in the slab, empty where they are not of the view.
     slots: Vec<&'a [T]>,
     bases: Vec<u32>,
+    /// ⌊(2⁶⁴ − 1) / a slot's length⌋.
+    inverse: u64,
 }
 
 impl<'a, T> SlabView<'a, T> {
@@ -148,6 +150,7 @@ impl<'a, T> SlabView<'a, T> {
             slab,
             slots: vec![&[]; slab.slots()],
             bases: Vec::new(),
+            inverse: u64::MAX / slab.slot_len as u64,
         };
         for slot in slots {
             assert!(std::ptr::eq(&*slot.slab, slab), "a slot of this slab");
@@ -177,12 +180,18 @@ impl<'a, T> SlabView<'a, T> {
         self.slab.slot_len
     }
 
-    /// The items from `place` on to the end of the slot that it lies in.
+    /// The items from `place` on to the end of the slot that it lies in; none where the view has no
+    /// such place.
     #[inline]
     #[must_use]
     pub fn from_place(&self, place: u32) -> &'a [T] {
-        let len = self.slab.slot_len as u32;
-        &self.slots[(place / len) as usize][(place % len) as usize..]
+        // place / len without a division, which is slow: as the inverse is too small by less than 1,
+        // the product is less than 2³² below (place + 1) / len · 2⁶⁴, so that whole quotients of
+        // place + 1 drop to the one before and no others change.
+        let slot = (u128::from(u64::from(place) + 1) * u128::from(self.inverse)) >> 64;
+        let within = u64::from(place) - slot as u64 * self.slab.slot_len as u64;
+        let slot = self.slots.get(slot as usize).copied().unwrap_or_default();
+        slot.get(within as usize..).unwrap_or_default()
     }
 
     /// Number of items, of the view and others.
@@ -225,5 +234,31 @@ mod tests {
         let again = slab.take().expect("it came back");
         assert_eq!(again.index(), 1);
         assert_eq!(slots[0][0], 1);
+    }
+    #[test]
+    fn places_lead_to_the_rest_of_their_slot_or_to_nothing() {
+        for len in [1, 2, 3, 10, 257] {
+            let slab = Slab::<u32>::new(4, len);
+            let mut slots: Vec<_> = (0..4).map(|_| slab.take().expect("free")).collect();
+            for (k, slot) in slots.iter_mut().enumerate() {
+                for (at, item) in slot.items_mut().iter_mut().enumerate() {
+                    *item = (k * len + at) as u32;
+                }
+            }
+            let held = [0, 1, 3];
+            let view = SlabView::new(&slab, held.map(|k: usize| &slots[k]));
+            for place in 0..4 * len {
+                let (slot, rest) = (place / len, len - place % len);
+                let found = view.from_place(place as u32);
+                if held.contains(&slot) {
+                    assert_eq!((found[0], found.len()), (place as u32, rest), "of {len}");
+                } else {
+                    assert!(found.is_empty(), "slot {slot} is not of the view");
+                }
+            }
+            for place in [4 * len as u32, 1 << 31, u32::MAX - 1, u32::MAX] {
+                assert!(view.from_place(place).is_empty(), "{place} of {len}");
+            }
+        }
     }
 }

@@ -252,10 +252,6 @@ impl Lanes for Avx512 {
     fn select(self, mask: __mmask16, yes: __m512, no: __m512) -> __m512 {
         on_values!(_mm512_mask_mov_ps(no, mask, yes))
     }
-    #[inline(always)]
-    fn add_where(self, mask: __mmask16, a: __m512, b: __m512) -> __m512 {
-        on_values!(_mm512_mask_add_ps(a, mask, a, b))
-    }
 
     #[inline(always)]
     fn mask(self, bits: u16) -> __mmask16 {
@@ -337,12 +333,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn add_i_where(self, mask: __mmask16, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_mask_add_epi32(a, mask, a, b))
-    }
-    #[inline(always)]
-    fn first_i(self, value: __m512i, mask: __mmask16) -> i32 {
-        on_values!(_mm_cvtsi128_si32(_mm512_castsi512_si128(
-            _mm512_maskz_compress_epi32(mask, value)
-        )))
     }
     #[inline(always)]
     fn float_of_bits(self, bits: __m512i) -> __m512 {
@@ -476,6 +466,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn look_up(self, table: &[u32], at: __m512i) -> __m512i {
+        assert!(!table.is_empty());
         let last = i32::try_from(table.len() - 1).unwrap_or(i32::MAX);
         // SAFETY: no place is behind the last entry.
         unsafe {

@@ -8,6 +8,10 @@ use std::fmt;
 pub(crate) enum Isa {
     #[cfg(target_arch = "x86_64")]
     Avx512(super::avx512::Avx512),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(super::avx2::Avx2),
+    #[cfg(target_arch = "aarch64")]
+    Neon(super::neon::Neon),
     Portable(Portable),
 }
 
@@ -22,7 +26,12 @@ impl Isa {
     pub(crate) fn all() -> Vec<Self> {
         let mut all = Vec::new();
         #[cfg(target_arch = "x86_64")]
-        all.extend(super::avx512::Avx512::detect().map(Self::Avx512));
+        {
+            all.extend(super::avx512::Avx512::detect().map(Self::Avx512));
+            all.extend(super::avx2::Avx2::detect().map(Self::Avx2));
+        }
+        #[cfg(target_arch = "aarch64")]
+        all.push(Self::Neon(super::neon::Neon::new()));
         all.push(Self::Portable(Portable));
         all
     }
@@ -37,6 +46,10 @@ impl Isa {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(_) => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => "avx2",
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(_) => "neon",
             Self::Portable(_) => "portable",
         }
     }
@@ -49,6 +62,13 @@ impl Isa {
                 #[inline(always)]
                 || kernel.run(lanes),
             ),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(lanes) => lanes.vectorize(
+                #[inline(always)]
+                || kernel.run(lanes),
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(lanes) => kernel.run(lanes),
             Self::Portable(lanes) => kernel.run(lanes),
         }
     }

@@ -10,9 +10,17 @@
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions of one processor")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions of one processor")]
 mod avx512;
 mod isa;
+#[cfg(target_arch = "aarch64")]
+#[allow(unsafe_code, reason = "instructions of one processor")]
+mod neon;
 mod portable;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use isa::{Isa, Kernel};
 pub(crate) use portable::Portable;
@@ -50,8 +58,6 @@ pub(crate) trait Lanes: Copy {
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
     /// `yes` where `mask`, else `no`.
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
-    /// `a + b` where `mask`, else `a`.
-    fn add_where(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
 
     fn mask(self, bits: u16) -> Self::M;
     fn bits(self, mask: Self::M) -> u16;
@@ -78,8 +84,6 @@ pub(crate) trait Lanes: Copy {
     fn eq_i(self, a: Self::I, b: Self::I) -> Self::M;
     fn select_i(self, mask: Self::M, yes: Self::I, no: Self::I) -> Self::I;
     fn add_i_where(self, mask: Self::M, a: Self::I, b: Self::I) -> Self::I;
-    /// The value in the first lane of `mask`; in any lane where there is none.
-    fn first_i(self, value: Self::I, mask: Self::M) -> i32;
     /// The numbers of which these are the bits.
     fn float_of_bits(self, bits: Self::I) -> Self::F;
     fn to_float(self, a: Self::I) -> Self::F;

@@ -27,6 +27,19 @@ fn truth(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()
 }
 
+/// Writes the lanes of `bits`, closed up, to the front of `to`.
+#[inline(always)]
+fn close_up<T: Copy>(mut bits: u16, value: [T; LANES], to: &mut [T; LANES]) {
+    // Lane by lane only of those asked for: they are few, or nearly all.
+    for to in to {
+        if bits == 0 {
+            break;
+        }
+        *to = value[bits.trailing_zeros() as usize % LANES];
+        bits &= bits - 1;
+    }
+}
+
 /// The first item of each row of a cell and the one behind it; zeros where there is no such cell.
 #[inline(always)]
 fn cell<T: Copy + Default>(items: &SlabView<'_, T>, at: i32, stride: u32) -> [T; 4] {
@@ -105,20 +118,16 @@ impl Lanes for Portable {
     fn select(self, mask: M, yes: F, no: F) -> F {
         each(|k| f32::from_bits((yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k])))
     }
-    #[inline(always)]
-    fn add_where(self, mask: M, a: F, b: F) -> F {
-        self.select(mask, self.add(a, b), a)
-    }
 
     #[inline(always)]
     fn mask(self, bits: u16) -> M {
-        each(|k| truth(bits >> k & 1 == 1))
+        each(|k| truth(u32::from(bits) & (1 << k) != 0))
     }
     #[inline(always)]
     fn bits(self, mask: M) -> u16 {
         mask.iter()
             .enumerate()
-            .fold(0, |bits, (k, &lane)| bits | ((lane & 1) << k)) as u16
+            .fold(0, |bits, (k, &lane)| bits | (lane & (1 << k))) as u16
     }
     #[inline(always)]
     fn and(self, a: M, b: M) -> M {
@@ -194,10 +203,6 @@ impl Lanes for Portable {
         each(|k| a[k].wrapping_add(b[k] & mask[k] as i32))
     }
     #[inline(always)]
-    fn first_i(self, value: I, mask: M) -> i32 {
-        value[self.bits(mask).trailing_zeros() as usize % LANES]
-    }
-    #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
         bits.map(|bits| f32::from_bits(bits as u32))
     }
@@ -207,7 +212,17 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn to_int(self, a: F) -> I {
-        a.map(|a| a as i32)
+        // `as` would give zero for NaN, and so be slow.
+        let fits = self.min(a, self.splat(2_147_483_520.0));
+        let fits = self.max(fits, self.splat(-2_147_483_648.0));
+        #[allow(
+            unsafe_code,
+            reason = "one instruction for several lanes, where `as` has many for one"
+        )]
+        fits.map(
+            // SAFETY: it fits: the minimum of NaN and a number is the number.
+            |lane| unsafe { lane.to_int_unchecked() },
+        )
     }
 
     #[inline(always)]
@@ -217,19 +232,11 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn compress(self, mask: M, value: F, to: &mut F) {
-        let mut end = 0;
-        for k in 0..LANES {
-            to[end] = value[k];
-            end += (mask[k] & 1) as usize;
-        }
+        close_up(self.bits(mask), value, to);
     }
     #[inline(always)]
     fn compress_i(self, mask: M, value: I, to: &mut I) {
-        let mut end = 0;
-        for k in 0..LANES {
-            to[end] = value[k];
-            end += (mask[k] & 1) as usize;
-        }
+        close_up(self.bits(mask), value, to);
     }
 
     #[inline(always)]
@@ -289,29 +296,44 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
-        each(|k| {
-            let [sw, se, nw, ne] = cell(texels, at[k], stride);
-            let (east, north) = (weight(east[k]), weight(north[k]));
-            i32::from_ne_bytes(std::array::from_fn(|channel| {
-                let texel = |texel: [u8; 4]| i16::from(texel[channel]) << 6;
-                let along =
-                    |from: i16, to: i16, share: i16| from + rounded_product(to - from, share);
-                let south = along(texel(sw), texel(se), east);
-                let row = along(texel(nw), texel(ne), east);
-                ((along(south, row, north) + 32) >> 6) as u8
-            }))
-        })
+        let mut corners = [[0; 4 * LANES]; 4];
+        // Weights in 15-bit fixed point, rounded towards zero.
+        let [east, north] =
+            [east, north].map(|share| self.to_int(self.mul(share, self.splat(32767.0))));
+        let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
+        for k in 0..LANES {
+            let channels = 4 * k..4 * k + 4;
+            for (to, texel) in corners.iter_mut().zip(cell(texels, at[k], stride)) {
+                to[channels.clone()].copy_from_slice(&texel);
+            }
+            easts[channels.clone()].fill(east[k] as i16);
+            norths[channels].fill(north[k] as i16);
+        }
+        let mut blended = [0; 4 * LANES];
+        for (k, blended) in blended.iter_mut().enumerate() {
+            // Six bits of a fraction.
+            let [sw, se, nw, ne] =
+                [0, 1, 2, 3].map(|corner: usize| i16::from(corners[corner][k]) << 6);
+            let south = along(sw, se, easts[k]);
+            let north = along(nw, ne, easts[k]);
+            *blended = (along(south, north, norths[k]).wrapping_add(32) >> 6) as u8;
+        }
+        bytemuck::cast(blended)
     }
 }
 
-/// A weight in [0, 1] in 15-bit fixed point, rounded towards zero.
+/// From `from` to `to` by a share in 15-bit fixed point. Numbers of lanes that are no cells may
+/// overflow.
 #[inline(always)]
-fn weight(share: f32) -> i16 {
-    (share * 32767.0) as i32 as i16
+fn along(from: i16, to: i16, share: i16) -> i16 {
+    from.wrapping_add(rounded_product(to.wrapping_sub(from), share))
 }
 
 /// a·b in 15-bit fixed point, rounded to nearest (the processors' `pmulhrsw`).
 #[inline(always)]
 fn rounded_product(a: i16, b: i16) -> i16 {
-    ((i32::from(a) * i32::from(b) + (1 << 14)) >> 15) as i16
+    // (a·b + 2¹⁴) / 2¹⁵ from both halves of the product, so that sixteen bits are enough.
+    let product = i32::from(a) * i32::from(b);
+    let (high, low) = ((product >> 16) as i16, product as u16);
+    (high << 1).wrapping_add((((low >> 14) + 1) >> 1) as i16)
 }

@@ -41,7 +41,7 @@ impl Planes {
     /// What can be set.
     pub const OPTIONS: [CasterOption; 1] = [CasterOption {
         name: "isa",
-        meaning: "the instruction set: best, avx512 or portable",
+        meaning: "the instruction set: best, or of the processor's avx512, avx2, neon and portable",
     }];
 
     pub(crate) fn read(options: &Options<'_>) -> Result<Self, CastError> {

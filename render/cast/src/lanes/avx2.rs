@@ -1,0 +1,610 @@
+//! AVX2: eight lanes a register, two registers a group.
+
+use super::{LANES, Lanes};
+use sandtable_terrain::SlabView;
+use std::arch::x86_64::*;
+
+/// The proof that the processor has AVX2 and POPCNT.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    /// The proof, where there is one.
+    pub(crate) fn detect() -> Option<Self> {
+        // Every processor with the first has the second.
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt")).then_some(Self(()))
+    }
+}
+
+/// Lanes 0 to 7, and 8 to 15.
+type F = [__m256; 2];
+type I = [__m256i; 2];
+/// All ones or all zeros a lane.
+type M = [__m256i; 2];
+
+/// Intrinsics on values.
+macro_rules! on_values {
+    ($intrinsics:expr) => {
+        // SAFETY: whoever holds an `Avx2` has seen that the processor has the instructions.
+        unsafe { $intrinsics }
+    };
+}
+
+/// An intrinsic on both halves of groups.
+macro_rules! on_halves {
+    ($intrinsic:expr, $($group:ident),+) => {
+        on_values!([$intrinsic($($group[0]),+), $intrinsic($($group[1]),+)])
+    };
+}
+
+#[target_feature(enable = "avx2,popcnt")]
+#[inline(never)]
+fn run<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
+
+/// For each mask of eight lanes, the numbers of its lanes, a byte each, closed up.
+static CLOSED_UP: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut end) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask] |= lane << (8 * end);
+                end += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// Which lanes of a mask's halves are set.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn bits_of(mask: M) -> [usize; 2] {
+    mask.map(
+        #[inline(always)]
+        |half| _mm256_movemask_ps(_mm256_castsi256_ps(half)) as u8 as usize,
+    )
+}
+
+/// Writes the lanes of `mask`, closed up, to the front of `to`.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
+    let [low, high] = bits_of(mask);
+    // SAFETY: a table's entry has eight bytes.
+    let lanes = [low, high].map(
+        #[inline(always)]
+        |bits| unsafe {
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(std::ptr::from_ref(&CLOSED_UP[bits]).cast()))
+        },
+    );
+    let to = to.as_mut_ptr();
+    // SAFETY: a half takes eight of the sixteen places, and no more than eight are before it.
+    unsafe {
+        _mm256_storeu_si256(to.cast(), _mm256_permutevar8x32_epi32(value[0], lanes[0]));
+        _mm256_storeu_si256(
+            to.add(low.count_ones() as usize).cast(),
+            _mm256_permutevar8x32_epi32(value[1], lanes[1]),
+        );
+    }
+}
+
+/// Lanes in memory, from where single ones are read. That is faster than taking them out of a
+/// register, which is what a compiler that sees through it would do.
+#[repr(align(64))]
+struct InMemory([u32; LANES]);
+
+impl InMemory {
+    #[inline(always)]
+    fn store(&mut self, lanes: I) -> &Self {
+        let to = self.0.as_mut_ptr();
+        // SAFETY: there is room for sixteen lanes.
+        unsafe {
+            _mm256_storeu_si256(to.cast(), lanes[0]);
+            _mm256_storeu_si256(to.add(8).cast(), lanes[1]);
+        }
+        std::hint::black_box(self)
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> usize {
+        self.0[lane] as usize
+    }
+}
+
+/// Two neighbouring items of four bytes each, for eight lanes: for lanes 0, 1, 4, 5 and 2, 3, 6, 7,
+/// so that what takes from both registers by quarters gives lanes in order.
+type Pairs = [__m256i; 2];
+
+/// The pairs at eight addresses, those of lane `first` on.
+///
+/// # Safety
+/// Eight bytes can be read at each.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+unsafe fn pairs(first: usize, address: impl Fn(usize) -> *const u8) -> Pairs {
+    macro_rules! two {
+        ($k:expr) => {{
+            // SAFETY: the caller's promise.
+            unsafe {
+                let low = _mm_loadl_epi64(address(first + $k).cast());
+                let both = _mm_loadh_pd(_mm_castsi128_pd(low), address(first + $k + 1).cast());
+                _mm_castpd_si128(both)
+            }
+        }};
+    }
+    [
+        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two!(0)), two!(4)),
+        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two!(2)), two!(6)),
+    ]
+}
+
+/// No lane beyond `last`, as unsigned numbers.
+#[inline(always)]
+fn limited(at: I, last: usize) -> I {
+    let last = i32::try_from(last).unwrap_or(i32::MAX);
+    let last = on_values!([_mm256_set1_epi32(last); 2]);
+    on_halves!(_mm256_min_epu32, at, last)
+}
+
+/// The pairs at lanes' places, and those a row further, for lanes 0 to 7 and 8 to 15. Places behind
+/// the last cell are moved to it.
+#[inline(always)]
+fn rows<T>(items: &SlabView<'_, T>, at: I, stride: u32) -> [[Pairs; 2]; 2] {
+    const { assert!(size_of::<T>() == 4) };
+    assert!(items.len() >= stride as usize + 2, "a tile has a cell");
+    let last = items.len() - (stride as usize + 2);
+    let mut memory = InMemory([0; LANES]);
+    let places = memory.store(limited(at, last));
+    let south = items.as_ptr();
+    let north = south.wrapping_add(stride as usize);
+    let southern = |k| south.wrapping_add(places.lane(k)).cast();
+    let northern = |k| north.wrapping_add(places.lane(k)).cast();
+    // SAFETY: from each place on there is a row and two items.
+    unsafe {
+        [
+            [pairs(0, southern), pairs(0, northern)],
+            [pairs(8, southern), pairs(8, northern)],
+        ]
+    }
+}
+
+/// The western and the eastern items of pairs.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn apart([a, b]: Pairs) -> [__m256; 2] {
+    let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
+    [
+        _mm256_shuffle_ps::<0b10_00_10_00>(a, b),
+        _mm256_shuffle_ps::<0b11_01_11_01>(a, b),
+    ]
+}
+
+/// From `from` to `to` by a share in 15-bit fixed point.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn along(from: __m256i, to: __m256i, share: __m256i) -> __m256i {
+    _mm256_add_epi16(from, _mm256_mulhrs_epi16(_mm256_sub_epi16(to, from), share))
+}
+
+/// Blends eight lanes' four texels: a southern and a northern row of neighbours.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i {
+    let scale = _mm256_set1_ps(32767.0);
+    let east = _mm256_cvttps_epi32(_mm256_mul_ps(east, scale));
+    let north = _mm256_cvttps_epi32(_mm256_mul_ps(north, scale));
+    // In each half of a register: two lanes' western and eastern texels, 16 bits a channel, six of
+    // them a fraction; and weights of the lanes of either register of pairs, for each channel.
+    let west_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(
+        0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
+    ));
+    let east_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(
+        4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
+    ));
+    let spread = [
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(
+            0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5,
+        )),
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(
+            8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13,
+        )),
+    ];
+    macro_rules! row {
+        ($pairs:expr, $share:expr) => {
+            along(
+                _mm256_slli_epi16::<6>(_mm256_shuffle_epi8($pairs, west_of)),
+                _mm256_slli_epi16::<6>(_mm256_shuffle_epi8($pairs, east_of)),
+                $share,
+            )
+        };
+    }
+    macro_rules! four {
+        ($k:expr) => {{
+            let east = _mm256_shuffle_epi8(east, spread[$k]);
+            let north = _mm256_shuffle_epi8(north, spread[$k]);
+            let blended = along(row!(south[$k], east), row!(north_row[$k], east), north);
+            _mm256_srli_epi16::<6>(_mm256_add_epi16(blended, _mm256_set1_epi16(32)))
+        }};
+    }
+    _mm256_packus_epi16(four!(0), four!(1))
+}
+
+/// Columns for rows, of a square of eight: within halves of registers first, then whole halves.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn transposed(rows: [__m256i; 8]) -> [__m256i; 8] {
+    let mut pairs = rows;
+    for k in (0..8).step_by(2) {
+        pairs[k] = _mm256_unpacklo_epi32(rows[k], rows[k + 1]);
+        pairs[k + 1] = _mm256_unpackhi_epi32(rows[k], rows[k + 1]);
+    }
+    // Row 4 b + c now: in half h, the rows 4 b to 4 b + 3 of column 4 h + c.
+    let mut fours = pairs;
+    for b in [0, 4] {
+        fours[b] = _mm256_unpacklo_epi64(pairs[b], pairs[b + 2]);
+        fours[b + 1] = _mm256_unpackhi_epi64(pairs[b], pairs[b + 2]);
+        fours[b + 2] = _mm256_unpacklo_epi64(pairs[b + 1], pairs[b + 3]);
+        fours[b + 3] = _mm256_unpackhi_epi64(pairs[b + 1], pairs[b + 3]);
+    }
+    let mut columns = rows;
+    for c in 0..4 {
+        columns[c] = _mm256_permute2x128_si256::<0x20>(fours[c], fours[4 + c]);
+        columns[4 + c] = _mm256_permute2x128_si256::<0x31>(fours[c], fours[4 + c]);
+    }
+    columns
+}
+
+impl Lanes for Avx2 {
+    type F = F;
+    type I = I;
+    type M = M;
+
+    #[inline(always)]
+    fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
+        on_values!(run(work))
+    }
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> F {
+        on_values!([_mm256_set1_ps(value); 2])
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> F {
+        let from = from.as_ptr();
+        // SAFETY: there are sixteen lanes.
+        unsafe { [_mm256_loadu_ps(from), _mm256_loadu_ps(from.add(8))] }
+    }
+    #[inline(always)]
+    fn store(self, value: F, to: &mut [f32; LANES]) {
+        let to = to.as_mut_ptr();
+        // SAFETY: there is room for sixteen lanes.
+        unsafe {
+            _mm256_storeu_ps(to, value[0]);
+            _mm256_storeu_ps(to.add(8), value[1]);
+        }
+    }
+    #[inline(always)]
+    fn add(self, a: F, b: F) -> F {
+        on_halves!(_mm256_add_ps, a, b)
+    }
+    #[inline(always)]
+    fn sub(self, a: F, b: F) -> F {
+        on_halves!(_mm256_sub_ps, a, b)
+    }
+    #[inline(always)]
+    fn mul(self, a: F, b: F) -> F {
+        on_halves!(_mm256_mul_ps, a, b)
+    }
+    #[inline(always)]
+    fn div(self, a: F, b: F) -> F {
+        on_halves!(_mm256_div_ps, a, b)
+    }
+    #[inline(always)]
+    fn sqrt(self, a: F) -> F {
+        on_halves!(_mm256_sqrt_ps, a)
+    }
+    #[inline(always)]
+    fn abs(self, a: F) -> F {
+        let sign = on_values!([_mm256_set1_ps(-0.0); 2]);
+        on_halves!(_mm256_andnot_ps, sign, a)
+    }
+    #[inline(always)]
+    fn min(self, a: F, b: F) -> F {
+        on_halves!(_mm256_min_ps, a, b)
+    }
+    #[inline(always)]
+    fn max(self, a: F, b: F) -> F {
+        on_halves!(_mm256_max_ps, a, b)
+    }
+
+    #[inline(always)]
+    fn lt(self, a: F, b: F) -> M {
+        let less = on_halves!(_mm256_cmp_ps::<_CMP_LT_OQ>, a, b);
+        on_halves!(_mm256_castps_si256, less)
+    }
+    #[inline(always)]
+    fn le(self, a: F, b: F) -> M {
+        let no_more = on_halves!(_mm256_cmp_ps::<_CMP_LE_OQ>, a, b);
+        on_halves!(_mm256_castps_si256, no_more)
+    }
+    #[inline(always)]
+    fn select(self, mask: M, yes: F, no: F) -> F {
+        let mask = on_halves!(_mm256_castsi256_ps, mask);
+        on_halves!(_mm256_blendv_ps, no, yes, mask)
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u16) -> M {
+        on_values!({
+            let bits = _mm256_set1_epi32(i32::from(bits));
+            let low = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let high = _mm256_slli_epi32::<8>(low);
+            [
+                _mm256_cmpeq_epi32(_mm256_and_si256(bits, low), low),
+                _mm256_cmpeq_epi32(_mm256_and_si256(bits, high), high),
+            ]
+        })
+    }
+    #[inline(always)]
+    fn bits(self, mask: M) -> u16 {
+        let [low, high] = on_values!(bits_of(mask));
+        (low | high << 8) as u16
+    }
+    #[inline(always)]
+    fn and(self, a: M, b: M) -> M {
+        on_halves!(_mm256_and_si256, a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: M, b: M) -> M {
+        on_halves!(_mm256_or_si256, a, b)
+    }
+    #[inline(always)]
+    fn and_not(self, a: M, b: M) -> M {
+        on_halves!(_mm256_andnot_si256, b, a)
+    }
+
+    #[inline(always)]
+    fn splat_i(self, value: i32) -> I {
+        on_values!([_mm256_set1_epi32(value); 2])
+    }
+    #[inline(always)]
+    fn load_i(self, from: &[i32; LANES]) -> I {
+        let from = from.as_ptr();
+        // SAFETY: there are sixteen lanes.
+        unsafe {
+            [
+                _mm256_loadu_si256(from.cast()),
+                _mm256_loadu_si256(from.add(8).cast()),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn store_i(self, value: I, to: &mut [i32; LANES]) {
+        let to = to.as_mut_ptr();
+        // SAFETY: there is room for sixteen lanes.
+        unsafe {
+            _mm256_storeu_si256(to.cast(), value[0]);
+            _mm256_storeu_si256(to.add(8).cast(), value[1]);
+        }
+    }
+    #[inline(always)]
+    fn add_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_add_epi32, a, b)
+    }
+    #[inline(always)]
+    fn sub_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_sub_epi32, a, b)
+    }
+    #[inline(always)]
+    fn mul_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_mullo_epi32, a, b)
+    }
+    #[inline(always)]
+    fn and_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_and_si256, a, b)
+    }
+    #[inline(always)]
+    fn min_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_min_epi32, a, b)
+    }
+    #[inline(always)]
+    fn max_i(self, a: I, b: I) -> I {
+        on_halves!(_mm256_max_epi32, a, b)
+    }
+    #[inline(always)]
+    fn shl_i(self, a: I, by: I) -> I {
+        on_halves!(_mm256_sllv_epi32, a, by)
+    }
+    #[inline(always)]
+    fn shr_i(self, a: I, by: I) -> I {
+        on_halves!(_mm256_srav_epi32, a, by)
+    }
+    #[inline(always)]
+    fn gt_i(self, a: I, b: I) -> M {
+        on_halves!(_mm256_cmpgt_epi32, a, b)
+    }
+    #[inline(always)]
+    fn eq_i(self, a: I, b: I) -> M {
+        on_halves!(_mm256_cmpeq_epi32, a, b)
+    }
+    #[inline(always)]
+    fn select_i(self, mask: M, yes: I, no: I) -> I {
+        on_halves!(_mm256_blendv_epi8, no, yes, mask)
+    }
+    #[inline(always)]
+    fn add_i_where(self, mask: M, a: I, b: I) -> I {
+        self.add_i(a, self.and_i(b, mask))
+    }
+    #[inline(always)]
+    fn float_of_bits(self, bits: I) -> F {
+        on_halves!(_mm256_castsi256_ps, bits)
+    }
+
+    #[inline(always)]
+    fn to_float(self, a: I) -> F {
+        on_halves!(_mm256_cvtepi32_ps, a)
+    }
+    #[inline(always)]
+    fn to_int(self, a: F) -> I {
+        on_halves!(_mm256_cvttps_epi32, a)
+    }
+
+    #[inline(always)]
+    fn exponent(self, a: F) -> I {
+        let bits = on_halves!(_mm256_castps_si256, a);
+        let biased = on_halves!(_mm256_srli_epi32::<23>, bits);
+        self.sub_i(biased, self.splat_i(127))
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: M, value: F, to: &mut [f32; LANES]) {
+        let value = on_halves!(_mm256_castps_si256, value);
+        on_values!(close_up(mask, value, bytemuck::cast_mut(to)));
+    }
+    #[inline(always)]
+    fn compress_i(self, mask: M, value: I, to: &mut [i32; LANES]) {
+        on_values!(close_up(mask, value, to));
+    }
+
+    #[inline(always)]
+    fn prefetch_write<T>(self, items: &[T], at: usize) {
+        on_values!(_mm_prefetch::<_MM_HINT_ET0>(
+            items.as_ptr().wrapping_add(at).cast()
+        ));
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &SlabView<'_, T>, at: I) {
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(at);
+        for k in (0..LANES).step_by(4) {
+            let place = items.as_ptr().wrapping_add(places.lane(k));
+            on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
+        }
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
+        let mut columns = rows;
+        for from in 0..2 {
+            for to in 0..2 {
+                let square = std::array::from_fn(
+                    #[inline(always)]
+                    |k| rows[8 * from + k][to],
+                );
+                let square = on_values!(transposed(square));
+                for k in 0..8 {
+                    columns[8 * to + k][from] = square[k];
+                }
+            }
+        }
+        columns
+    }
+
+    #[inline(always)]
+    fn scatter(self, mask: M, at: I, value: F, to: &mut [f32]) {
+        assert!(!to.is_empty());
+        let last = to.len() - 1;
+        let mut bits = self.bits(mask);
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(at);
+        let mut values = [0.0; LANES];
+        self.store(value, &mut values);
+        while bits != 0 {
+            let k = bits.trailing_zeros() as usize % LANES;
+            to[places.lane(k).min(last)] = values[k];
+            bits &= bits - 1;
+        }
+    }
+
+    #[inline(always)]
+    fn cells(self, posts: &SlabView<'_, f32>, at: I, stride: u32) -> [F; 4] {
+        let [low, high] = rows(posts, at, stride);
+        on_values!({
+            let [[sw, se], [nw, ne]] = low.map(
+                #[inline(always)]
+                |pairs| apart(pairs),
+            );
+            let [[high_sw, high_se], [high_nw, high_ne]] = high.map(
+                #[inline(always)]
+                |pairs| apart(pairs),
+            );
+            [[sw, high_sw], [se, high_se], [nw, high_nw], [ne, high_ne]]
+        })
+    }
+
+    #[inline(always)]
+    fn byte_cells(self, bytes: &SlabView<'_, u8>, at: I, stride: u32) -> [F; 4] {
+        assert!(bytes.len() >= stride as usize + 4, "a tile has a cell");
+        // Four bytes are read where two are asked for, so the last places are read from before.
+        let from = limited(at, bytes.len() - (stride as usize + 4));
+        let south = bytes.as_ptr();
+        let north = south.wrapping_add(stride as usize);
+        // SAFETY: from each place on there is a row and four bytes.
+        let rows = [south, north].map(|row| unsafe {
+            [
+                _mm256_i32gather_epi32::<1>(row.cast(), from[0]),
+                _mm256_i32gather_epi32::<1>(row.cast(), from[1]),
+            ]
+        });
+        let skipped = self.shl_i(self.sub_i(at, from), self.splat_i(3));
+        let [byte, eight] = [0xff, 8].map(|number| self.splat_i(number));
+        let [south, north] = rows;
+        // The upper bytes that come down are those of what was read, or copies of a sign.
+        let (south, north) = (self.shr_i(south, skipped), self.shr_i(north, skipped));
+        let (south_east, north_east) = (self.shr_i(south, eight), self.shr_i(north, eight));
+        [
+            self.to_float(self.and_i(south, byte)),
+            self.to_float(self.and_i(south_east, byte)),
+            self.to_float(self.and_i(north, byte)),
+            self.to_float(self.and_i(north_east, byte)),
+        ]
+    }
+
+    #[inline(always)]
+    fn halves(self, numbers: &SlabView<'_, u16>, at: I) -> I {
+        assert!(numbers.len() >= 2);
+        // Two bytes more are read than asked for, so the last place is read with the one before.
+        let from = limited(at, numbers.len() - 2);
+        let items = numbers.as_ptr().cast();
+        // SAFETY: four bytes can be read from each place on.
+        let pairs = unsafe {
+            [
+                _mm256_i32gather_epi32::<2>(items, from[0]),
+                _mm256_i32gather_epi32::<2>(items, from[1]),
+            ]
+        };
+        let is_first = self.eq_i(at, from);
+        let first = self.and_i(pairs, self.splat_i(0xffff));
+        self.select_i(is_first, first, on_halves!(_mm256_srli_epi32::<16>, pairs))
+    }
+
+    #[inline(always)]
+    fn look_up(self, table: &[u32], at: I) -> I {
+        assert!(!table.is_empty());
+        let at = limited(at, table.len() - 1);
+        let table = table.as_ptr().cast();
+        // SAFETY: no place is behind the last entry.
+        unsafe {
+            [
+                _mm256_i32gather_epi32::<4>(table, at[0]),
+                _mm256_i32gather_epi32::<4>(table, at[1]),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
+        let [low, high] = rows(texels, at, stride);
+        on_values!([
+            blend(low, east[0], north[0]),
+            blend(high, east[1], north[1])
+        ])
+    }
+}

@@ -1,0 +1,133 @@
+//! The default caster on each instruction set that the processor has.
+
+use glam::{DVec2, DVec3};
+use sandtable_cast::{
+    CastPool, Caster, Image, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
+};
+use sandtable_terrain::{Ground, Photo, TiledRaster};
+use sandtable_view::{Attitude, Camera, View};
+use std::sync::Arc;
+
+/// The caster on each instruction set of this processor, the reference first.
+fn casters() -> Vec<(&'static str, Arc<dyn Caster>)> {
+    ["portable", "avx512", "avx2", "neon"]
+        .into_iter()
+        .filter_map(|name| {
+            let caster = caster_by_name(&format!("planes?isa={name}"));
+            caster.ok().map(|caster| (name, caster))
+        })
+        .collect()
+}
+
+/// Hills over several tiles.
+fn hills() -> Ground {
+    let spacing = DVec2::new(10.0, 8.0);
+    let height = |col: u32, row: u32| {
+        let (x, y) = (f64::from(col) * spacing.x, f64::from(row) * spacing.y);
+        let hill = 40.0 * (x / 130.0).sin() * (y / 170.0).cos();
+        (hill + 15.0 * (x / 41.0 + y / 57.0).sin()) as f32
+    };
+    Ground::from_fn(300, 290, spacing, height).expect("a sound grid")
+}
+
+/// A photo of a part of the ground, with holes.
+fn photo() -> Photo {
+    let pixel = |x: u32, y: u32| {
+        let hash = (x * 7919 + y * 104_729).wrapping_mul(2_654_435_761);
+        let [r, g, b, a] = hash.to_be_bytes();
+        [r, g, b, if a < 9 { 0 } else { 255 }]
+    };
+    Photo {
+        pixels: TiledRaster::from_fn(310, 400, pixel),
+        origin: DVec2::new(400.0, 150.0),
+        spacing: DVec2::new(6.5, 5.0),
+    }
+}
+
+fn camera(eye: DVec3, yaw: f64, pitch: f64, roll: f64) -> Camera {
+    let attitude = Attitude { yaw, pitch, roll };
+    Camera {
+        eye,
+        attitude,
+        horizontal_fov: 1.0,
+    }
+}
+
+/// Level, slanted, rolled and steep views, from over the ground, from beside it and from high up,
+/// and one at the table. Sizes are no multiples of sixteen.
+fn views(scene: &Scene) -> Vec<View> {
+    let extent = scene.ground.grid().extent();
+    let eye = DVec3::new(0.4 * extent.x, 0.1 * extent.y, 120.0);
+    let beside = DVec3::new(-500.0, -300.0, 200.0);
+    let mut views = vec![
+        camera(eye, 1.3, -0.5, 0.0).view([160, 181]),
+        camera(eye, -0.8, -0.4, 0.6).view([177, 150]),
+        camera(eye.with_z(600.0), 0.2, -1.55, 0.0).view([177, 150]),
+        camera(beside, 0.9, -0.1, 0.0).view([333, 150]),
+        standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), [277, 150]),
+    ];
+    for quarter in 0..4 {
+        let yaw = 0.3 + std::f64::consts::FRAC_PI_2 * f64::from(quarter);
+        let eye = DVec3::new(0.5 * extent.x, 0.5 * extent.y, 70.0);
+        views.push(camera(eye, yaw, 0.0, 0.0).view([177, 150]));
+    }
+    views
+}
+
+fn cast(prepared: &dyn PreparedScene, views: &[View]) -> Vec<Image> {
+    let mut images = vec![Image::default(); views.len()];
+    let pool = CastPool::new(2)
+        .expect("threads")
+        .with_scheme(Scheme::default());
+    pool.cast(prepared, views, &mut images).expect("accepted");
+    images
+}
+
+fn assert_same_images(ground: Ground) {
+    let scene = Scene::new(ground);
+    let views = views(&scene);
+    let mut reference: Option<Vec<Image>> = None;
+    for (name, caster) in casters() {
+        let prepared = caster.prepare(Arc::clone(&scene)).expect("suits");
+        let images = cast(&*prepared, &views);
+        let reference = reference.get_or_insert_with(|| images.clone());
+        for (k, (image, expected)) in images.iter().zip(&*reference).enumerate() {
+            let is_ground = |depth: &&f32| depth.is_finite();
+            let ground = image.depth.iter().filter(is_ground).count();
+            assert!(ground > 1000, "view {k} sees next to nothing: {ground}");
+            let differing = image
+                .depth
+                .iter()
+                .zip(&expected.depth)
+                .filter(|(a, b)| a.to_bits() != b.to_bits())
+                .count();
+            assert_eq!(differing, 0, "depths of view {k} on {name}");
+            assert!(image.colour() == expected.colour(), "view {k} on {name}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_is_everywhere_and_some_set_is_the_best() {
+    let names: Vec<_> = casters().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names[0], "portable");
+    assert!(caster_by_name("planes?isa=best").is_ok());
+    assert!(caster_by_name("planes?isa=mmx").is_err());
+    #[cfg(target_arch = "x86_64")]
+    {
+        assert_eq!(is_x86_feature_detected!("avx2"), names.contains(&"avx2"));
+        assert!(!names.contains(&"neon"));
+    }
+    #[cfg(target_arch = "aarch64")]
+    assert_eq!(names, ["portable", "neon"]);
+}
+
+#[test]
+fn ground_has_the_same_bytes_on_all() {
+    assert_same_images(hills());
+}
+
+#[test]
+fn ground_with_a_photo_has_the_same_bytes_on_all() {
+    assert_same_images(hills().with_photo(photo()));
+}
