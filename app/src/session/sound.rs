@@ -63,7 +63,7 @@ pub(crate) fn summit(ground: &Ground) -> DVec3 {
         else {
             continue;
         };
-        let stride = (grid.cols - tile.col * tile_posts).min(tile_posts + 1);
+        let stride = heights.tile_stride() as u32;
         let (col, row) = (at as u32 % stride, at as u32 / stride);
         let x = f64::from(tile.col * tile_posts + col) * grid.spacing.x;
         let y = f64::from(tile.row * tile_posts + row) * grid.spacing.y;
