@@ -135,7 +135,8 @@ pub struct Ground {
     /// Lowest and highest height of each tile, in tile order.
     tile_ranges: Vec<[f32; 2]>,
     range: [f32; 2],
-    light: TiledRaster<u8>,
+    /// Shaded relief; none where a photo covers all ground.
+    light: Option<TiledRaster<u8>>,
     photo: Option<Photo>,
     holes: Option<Holes>,
 }
@@ -177,7 +178,7 @@ impl Ground {
             heights,
             tile_ranges,
             range,
-            light,
+            light: Some(light),
             photo: None,
             holes: None,
         })
@@ -199,9 +200,13 @@ impl Ground {
         Self::new(TiledRaster::from_fn(cols, rows, height), spacing)
     }
 
-    /// The ground with a photograph over it.
+    /// The ground with a photograph over it. Where that covers all of it, the shaded relief is
+    /// dropped, which nobody sees any more.
     #[must_use]
     pub fn with_photo(mut self, photo: Photo) -> Self {
+        if photo.covers(self.grid.extent()) {
+            self.light = None;
+        }
         self.photo = Some(photo);
         self
     }
@@ -226,9 +231,10 @@ impl Ground {
     }
 
     /// Shaded relief at each post: 128 leaves a tint as it is, and 255 is almost twice as bright.
+    /// `None` where a photograph covers all ground.
     #[must_use]
-    pub fn light(&self) -> &TiledRaster<u8> {
-        &self.light
+    pub fn light(&self) -> Option<&TiledRaster<u8>> {
+        self.light.as_ref()
     }
 
     /// Lowest and highest height in metres.
@@ -281,7 +287,14 @@ impl Ground {
             .locate(x / self.grid.spacing.x, y / self.grid.spacing.y);
         let place = [u as f32, v as f32];
         let height = bilinear(self.heights.cell(cell[0], cell[1]), place);
-        let light = bilinear(self.light.cell(cell[0], cell[1]).map(f32::from), place);
+        let [col, row] = cell;
+        let light = match &self.light {
+            Some(light) => light.cell(col, row),
+            None => [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[east, north]| {
+                light_at(&self.heights, self.grid.spacing, col + east, row + north)
+            }),
+        };
+        let light = bilinear(light.map(f32::from), place);
         let [low, high] = self.range;
         let share = if high > low {
             (height - low) / (high - low)
@@ -295,7 +308,7 @@ impl Ground {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.heights.bytes()
-            + self.light.bytes()
+            + self.light.as_ref().map_or(0, TiledRaster::bytes)
             + self.photo.as_ref().map_or(0, |photo| photo.pixels.bytes())
             + self
                 .holes
@@ -321,9 +334,11 @@ impl Ground {
         let lit = |range: &std::ops::Range<u32>| {
             range.start.saturating_sub(1)..range.end.saturating_add(1)
         };
-        let changed;
-        (result.light, changed) = self.light.edited(lit(&cols), lit(&rows), |col, row, _| {
-            light_at(&result.heights, self.grid.spacing, col, row)
+        let (cols, rows) = (lit(&cols), lit(&rows));
+        let changed = self.heights.tiles_of(&cols, &rows);
+        result.light = self.light.as_ref().map(|light| {
+            let relit = |col, row, _| light_at(&result.heights, self.grid.spacing, col, row);
+            light.edited(cols, rows, relit).0
         });
         for (slot, index) in self.heights.tile_indices().enumerate() {
             if changed.contains(&index) {
@@ -440,7 +455,8 @@ mod tests {
         for row in 0..300 {
             for col in 0..400 {
                 assert_eq!(edited.heights.post(col, row), fresh.heights.post(col, row));
-                assert_eq!(edited.light.post(col, row), fresh.light.post(col, row));
+                let [edited, fresh] = [&edited, &fresh].map(|ground| ground.light().unwrap());
+                assert_eq!(edited.post(col, row), fresh.post(col, row));
             }
         }
     }

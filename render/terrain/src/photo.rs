@@ -15,6 +15,20 @@ pub struct Photo {
 }
 
 impl Photo {
+    /// Whether there is a colour everywhere from the world's origin to `extent` (metres).
+    #[must_use]
+    pub fn covers(&self, extent: DVec2) -> bool {
+        let first = -self.origin / self.spacing;
+        let last = (extent - self.origin) / self.spacing;
+        let size = DVec2::new(f64::from(self.pixels.cols()), f64::from(self.pixels.rows()));
+        let within = first.min_element() >= -0.5 && (size - last).min_element() >= 0.5;
+        within
+            && self.pixels.tile_indices().all(|tile| {
+                let pixels = self.pixels.tile_posts(tile);
+                pixels.iter().all(|pixel| pixel[3] != 0)
+            })
+    }
+
     /// The bilinear colour at world `(x, y)`, or `None` off the photograph or beside a missing
     /// pixel. The outer half pixel belongs to the photograph.
     #[inline]
@@ -67,7 +81,12 @@ mod tests {
         assert_eq!(photo.colour_at(12.0, 21.0), Some([50, 50, 0]));
         assert_eq!(photo.colour_at(8.0, 19.0), Some([0, 50, 0]));
         assert_eq!(photo.colour_at(7.9, 19.0), None);
+        photo.origin = DVec2::ZERO;
+        assert!(photo.covers(DVec2::new(6.0, 3.0)) && !photo.covers(DVec2::new(6.1, 3.0)));
+        photo.origin = DVec2::new(10.0, 20.0);
+        assert!(!photo.covers(DVec2::ONE));
         photo.pixels = photo.pixels.edited(1..2, 0..2, |_, _, _| [0; 4]).0;
+        assert!(!photo.covers(DVec2::ZERO));
         assert_eq!(photo.colour_at(12.0, 21.0), None);
         assert!(photo.colour_at(9.0, 21.0).is_some());
     }

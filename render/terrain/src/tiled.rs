@@ -303,6 +303,22 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         self.tiles.iter().map(|tile| size_of_val(&***tile)).sum()
     }
 
+    /// The tiles that hold any of the posts of `cols` by `rows` (half-open).
+    #[must_use]
+    pub fn tiles_of(
+        &self,
+        cols: &std::ops::Range<u32>,
+        rows: &std::ops::Range<u32>,
+    ) -> Vec<TileIndex> {
+        let meets = |range: &std::ops::Range<u32>, posts: u32, tile: u32| {
+            let first = tile * TILE_CELLS;
+            range.start.max(first) < range.end.min(posts).min(first + TILE_CELLS + 1)
+        };
+        self.tile_indices()
+            .filter(|index| meets(cols, self.cols, index.col) && meets(rows, self.rows, index.row))
+            .collect()
+    }
+
     /// A snapshot in which the posts of `cols` by `rows` (half-open) are replaced by `post`, and
     /// the tiles that hold any of them. All other tiles are shared with `self`.
     #[must_use]
@@ -468,6 +484,9 @@ mod tests {
         let raster = TiledRaster::from_fn(600, 515, |_, _| 0);
         let (edited, changed) = raster.edited(256..257, 256..257, |_, _, _| 7);
         assert_eq!(changed.len(), 4);
+        assert_eq!(changed, raster.tiles_of(&(256..257), &(256..257)));
+        assert_eq!(raster.tiles_of(&(255..256), &(500..900)).len(), 2);
+        assert_eq!(raster.tiles_of(&(7..7), &(0..900)), []);
         assert_eq!(edited.cell(255, 255), [0, 0, 0, 7]);
         assert_eq!(edited.cell(256, 256), [7, 0, 0, 0]);
         assert_eq!(raster.cell(256, 256), [0; 4]);

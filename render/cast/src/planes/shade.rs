@@ -74,6 +74,8 @@ struct Mapped<'a> {
     tiles: Tiles<'a, [u8; 4]>,
     x: Along,
     y: Along,
+    /// Whether it covers all ground: then no hit is off it, but for rounding.
+    covers: bool,
 }
 
 impl<'a> Mapped<'a> {
@@ -86,6 +88,7 @@ impl<'a> Mapped<'a> {
             tiles: Tiles::new(raster.view(), raster.tiles_across(), raster.tile_stride()),
             x: Along::new(eye.x, per_cell.x, signs[0], raster.cols()),
             y: Along::new(eye.y, per_cell.y, signs[1], raster.rows()),
+            covers: frame.ground.light().is_none(),
         }
     }
 
@@ -101,7 +104,9 @@ impl<'a> Mapped<'a> {
             let (off_x, off_y);
             (x, east, off_x) = self.x.at_border(l, x, east);
             (y, north, off_y) = self.y.at_border(l, y, north);
-            on = l.and_not(mask, l.or(off_x, off_y));
+            if !self.covers {
+                on = l.and_not(mask, l.or(off_x, off_y));
+            }
         }
         Located {
             at: self.tiles.place(l, x, y),
@@ -193,13 +198,13 @@ struct Tints<'a> {
 }
 
 impl<'a> Tints<'a> {
-    fn new(ground: &'a Ground) -> Self {
+    fn new(ground: &'a Ground) -> Option<Self> {
+        let light = ground.light()?;
         static CHANNELS: LazyLock<[[u32; 512]; 3]> =
             LazyLock::new(|| [0, 1, 2].map(|k| hypsometric_tints().map(|tint| tint[k].to_bits())));
-        let light = ground.light();
         let [low, high] = ground.range();
         let steps = (hypsometric_tints().len() - 1) as f32;
-        Self {
+        Some(Self {
             light: Tiles::new(light.view(), light.tiles_across(), light.tile_stride()),
             low,
             steps: if high > low {
@@ -208,7 +213,7 @@ impl<'a> Tints<'a> {
                 0.0
             },
             channels: &CHANNELS,
-        }
+        })
     }
 }
 
@@ -219,7 +224,8 @@ pub(super) struct Shader<'a> {
     /// Metres a cell along the major and the minor axis.
     metres: [f64; 2],
     field: &'a Field<'a>,
-    tints: Tints<'a>,
+    /// None where a photo covers all ground.
+    tints: Option<Tints<'a>>,
     /// Whether the ground is too large for the processor's nearer caches.
     large: bool,
 }
@@ -291,8 +297,8 @@ impl<'a> Shader<'a> {
     /// The ground's own colours where rays reached it: hypsometric tints in shaded relief, as
     /// [`Ground::colour_at`](sandtable_terrain::Ground::colour_at) has them without a photo.
     #[inline(always)]
-    fn tints<L: Lanes>(&self, l: L, reached: L::F, advance: L::F) -> L::I {
-        let (field, tints) = (self.field, &self.tints);
+    fn tints<L: Lanes>(&self, l: L, tints: &Tints<'_>, reached: L::F, advance: L::F) -> L::I {
+        let field = self.field;
         // How far into its cell each place lies, eastwards and northwards.
         let cell = field.cell_at(l, reached, advance);
         let aside = l.mul(reached, advance);
@@ -365,12 +371,15 @@ impl<'a> Shader<'a> {
         }
         for at in (0..chunk.count).step_by(LANES) {
             let (rest, sky) = (shading.rest[at / LANES], shading.sky[at / LANES]);
-            if rest != 0 {
+            if let Some(ground_tints) = &self.tints
+                && rest != 0
+            {
                 l.vectorize(
                     #[inline(always)]
                     || {
                         let tints = self.tints(
                             l,
+                            ground_tints,
                             l.load(lanes(chunk.reached, at)),
                             l.load(lanes(chunk.advance, at)),
                         );
