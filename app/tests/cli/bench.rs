@@ -73,13 +73,13 @@ fn without_a_check_there_is_none_and_without_a_caster_the_default_one() {
     let bench = "bench builtin:ridges?size=65 --view a.toml --threads 1 --frames 1";
     let lines = figures(&folder, &format!("{bench} --json"));
     assert_eq!(lines.len(), 1);
-    assert_eq!(lines[0]["caster"], "coherent");
+    assert_eq!(lines[0]["caster"], "planes");
     assert_eq!(lines[0].get("check"), None);
 
     let said = folder.run(bench).done().out;
     for part in [
         "65 by 65 posts",
-        "coherent",
+        "planes",
         "a.toml",
         "Mpix/s",
         "--check",
@@ -205,7 +205,7 @@ fn a_refused_view_has_its_line_and_the_others_are_timed() {
 fn casters_are_listed_with_what_can_be_set() {
     let folder = Folder::new();
     let said = folder.run("casters").done().out;
-    assert!(said.starts_with("coherent (the default)\n"), "{said}");
+    assert!(said.starts_with("planes (the default)\n"), "{said}");
     assert!(said.contains("\nbrute\n"), "{said}");
     let listed = folder.run("casters --json").done().out;
     let json: Value = serde_json::from_str(&listed).unwrap();

@@ -383,6 +383,8 @@ impl<'a, L: Lanes> March<'a, L> {
         let iota = l.load(&std::array::from_fn(|k| k as f32));
         let lane_numbers = l.load_i(&std::array::from_fn(|k| k as i32));
         let v = self.directions.lane;
+        // A ray straight down has a little of the major axis, too little to be seen.
+        let steep = l.splat(1e-10 * self.frame.rays.first.length() as f32);
         let v_major = l.mul(l.splat(v.x as f32), iota);
         let v_minor = l.mul(l.splat(v.y as f32), iota);
         let v_up = l.mul(l.splat(v.z as f32), iota);
@@ -407,7 +409,7 @@ impl<'a, L: Lanes> March<'a, L> {
             let count = (lanes[1] - first).min(LANES as i32);
             let all = l.mask(first_lanes(count));
             let d = self.directions.at(step, first);
-            let major = l.max(l.add(l.splat(d.x as f32), v_major), l.splat(1e-6));
+            let major = l.max(l.add(l.splat(d.x as f32), v_major), steep);
             let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
             let up = l.add(l.splat(d.z as f32), v_up);
             let scale = l.div(one, major);
