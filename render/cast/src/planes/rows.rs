@@ -138,6 +138,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let room = (width + 2 * MARGIN + LANES).next_power_of_two();
     let march = March::new(l, frame, sector, room);
     scratch.lanes = [[0, 0]; MEMORY];
+    // A cast that panicked may have left some behind.
+    scratch.low.truncate(0);
+    scratch.high.truncate(0);
     for numbers in [
         &mut scratch.reached,
         &mut scratch.advance,
