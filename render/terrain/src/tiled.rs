@@ -10,6 +10,10 @@ pub const TILE_CELLS: u32 = 1 << TILE_SHIFT;
 const TILE_SHIFT: u32 = 8;
 const TILE_MASK: u32 = TILE_CELLS - 1;
 
+/// Items behind a tile's posts, so that whoever reads some bytes more than asked for stays in the
+/// tile's own memory.
+const SPARE: usize = 4;
+
 /// A raster of posts in tiles of [`TILE_CELLS`]² cells. Row 0 is south.
 ///
 /// Neighbouring tiles both hold the posts on their common border (papers' row H1: (2ⁿ+1)² blocks),
@@ -50,7 +54,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         // Some slots more, for edits.
         let slab = Slab::new(
             tiles + tiles / 8 + 4,
-            stride * rows.min(TILE_CELLS + 1) as usize,
+            stride * rows.min(TILE_CELLS + 1) as usize + SPARE,
         );
         let slots = (0..tiles).map_while(|_| slab.take()).collect();
         let raster = Self {

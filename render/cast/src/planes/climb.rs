@@ -37,6 +37,7 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
         let side = l.sub_i(top, level);
         let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
         let place = l.add_i(field.maxima.base(l, x, y), block_at);
+        let place = field.maxima.only(l, mask, place);
         let code = l.halves(&field.maxima.items, place);
         let highest = l.add(
             l.mul(l.to_float(code), l.splat(field.code_step)),

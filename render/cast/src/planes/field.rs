@@ -43,6 +43,13 @@ impl<'a, T> Tiles<'a, T> {
         }
     }
 
+    /// `place` in the lanes of `mask`, and a place of the first tile in the others: those may come
+    /// from anywhere, and what is not of these tiles may be changing.
+    #[inline(always)]
+    pub(super) fn only<L: Lanes>(&self, l: L, mask: L::M, place: L::I) -> L::I {
+        l.select_i(mask, place, l.splat_i(self.items.bases()[0] as i32))
+    }
+
     /// The place of (x, y).
     #[inline(always)]
     pub(super) fn place<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {

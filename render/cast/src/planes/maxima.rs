@@ -19,7 +19,10 @@ pub(super) const LEVEL_BEGIN: [i32; TOP as usize + 1] = {
     begins
 };
 
-pub(super) const BLOCKS: usize = LEVEL_BEGIN[TOP as usize] as usize + 1;
+/// Kernels read two bytes more than they ask for: these are the slot's own.
+const SPARE: usize = 1;
+
+const BLOCKS: usize = LEVEL_BEGIN[TOP as usize] as usize + 1;
 
 /// For each tile of the ground, upper bounds of the height in blocks of 2ˡ × 2ˡ cells, l from 1 to
 /// [`TOP`], row by row from the south-west, in even steps.
@@ -41,7 +44,7 @@ impl Maxima {
         let low = low - 0.5 * (high - low);
         let step = ((high - low) / 49150.0).max(f32::MIN_POSITIVE) * 1.000_001;
         let indices: Vec<_> = ground.heights().tile_indices().collect();
-        let slab = Slab::new(indices.len() + indices.len() / 8 + 4, BLOCKS);
+        let slab = Slab::new(indices.len() + indices.len() / 8 + 4, BLOCKS + SPARE);
         let mut maxima = Self {
             tiles: Vec::new(),
             base: low,

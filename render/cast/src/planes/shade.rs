@@ -109,7 +109,7 @@ impl<'a> Mapped<'a> {
             }
         }
         Located {
-            at: self.tiles.place(l, x, y),
+            at: self.tiles.only(l, mask, self.tiles.place(l, x, y)),
             east,
             north,
             on,
@@ -297,7 +297,14 @@ impl<'a> Shader<'a> {
     /// The ground's own colours where rays reached it: hypsometric tints in shaded relief, as
     /// [`Ground::colour_at`](sandtable_terrain::Ground::colour_at) has them without a photo.
     #[inline(always)]
-    fn tints<L: Lanes>(&self, l: L, tints: &Tints<'_>, reached: L::F, advance: L::F) -> L::I {
+    fn tints<L: Lanes>(
+        &self,
+        l: L,
+        mask: L::M,
+        tints: &Tints<'_>,
+        reached: L::F,
+        advance: L::F,
+    ) -> L::I {
         let field = self.field;
         // How far into its cell each place lies, eastwards and northwards.
         let cell = field.cell_at(l, reached, advance);
@@ -310,11 +317,11 @@ impl<'a> Shader<'a> {
             [minor, major]
         };
         let [x, y] = field.cells(l, cell[0], cell[1]);
-        let place = tints.light.place(l, x, y);
+        let place = tints.light.only(l, mask, tints.light.place(l, x, y));
         let light = l.byte_cells(&tints.light.items, place, tints.light.stride);
         let light = bilinear(l, light, east, north);
         // The ground's height, not the hit's: a wall has the colours of the columns behind it.
-        let place = field.heights.place(l, x, y);
+        let place = field.heights.only(l, mask, field.heights.place(l, x, y));
         let height = l.cells(&field.heights.items, place, field.heights.stride);
         let height = bilinear(l, height, east, north);
         let share = l.mul(l.sub(height, l.splat(tints.low)), l.splat(tints.steps));
@@ -379,6 +386,7 @@ impl<'a> Shader<'a> {
                     || {
                         let tints = self.tints(
                             l,
+                            l.mask(rest),
                             ground_tints,
                             l.load(lanes(chunk.reached, at)),
                             l.load(lanes(chunk.advance, at)),

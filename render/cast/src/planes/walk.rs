@@ -62,6 +62,7 @@ pub(super) fn walk<L: Lanes>(
             for at in (0..wave.len()).step_by(LANES) {
                 let heights = field.heights;
                 let place = field.place(l, wave.cell(l, at));
+                let place = heights.only(l, l.mask(wave.mask(at)), place);
                 let posts = l.cells(&heights.items, place, heights.stride);
                 for (to, posts) in passage.posts.iter_mut().zip(posts) {
                     l.store(posts, group_mut(to, at));
