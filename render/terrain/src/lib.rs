@@ -24,7 +24,9 @@
 //! tiles of up to 64 MiB; PNG and JPEG of up to 256 MiB decoded; horizontal datums only.
 //!
 //! For casters that do not read heights, the ground becomes a [`VoxelVolume`] of densities with
-//! its [`BoundaryArray`], or a [`Pyramid`] of resolutions; both follow edits tile by tile.
+//! its [`BoundaryArray`], or a [`Pyramid`] of resolutions; both follow edits tile by tile, as do
+//! the [`HeightPyramid`] and the [`Mipmap`] of colours for casters that choose their level of
+//! detail.
 //!
 //! Nothing here knows an eye: later, paged tiles are asked for by level, row and column.
 
@@ -36,8 +38,10 @@ mod error;
 mod fill;
 mod georeference;
 mod ground;
+mod halving;
 mod info;
 mod linear_light;
+mod mipmap;
 mod open;
 mod photo;
 mod photo_file;
@@ -55,8 +59,10 @@ pub use crs::{Crs, CrsRelation, Datum, PlaceError, Projection, WktError};
 pub use error::TerrainError;
 pub use georeference::Georeference;
 pub use ground::{Grid, Ground, GroundError, Holes};
+pub use halving::HeightPyramid;
 pub use info::{BandInfo, Extent, FileInfo, Sample, SampleValue, info};
 pub use linear_light::LinearLight;
+pub use mipmap::Mipmap;
 pub use open::{Terrain, open, open_with_progress};
 pub use photo::Photo;
 pub use pyramid::{Pyramid, PyramidLevel};

@@ -1,6 +1,7 @@
 //! The ground at halved and halved again resolution (Cohen-Or, Rich, Lerner, Shenkar 1996,
 //! section 2).
 
+use crate::halving::{half, halved, halved_renewed};
 use crate::voxel::texture;
 use crate::{Grid, Ground, LinearLight, TileIndex, TiledCells, TiledRaster, pre_texture, reach};
 
@@ -127,9 +128,8 @@ impl Pyramid {
 impl PyramidLevel {
     /// The level of half this one's resolution.
     fn coarser(&self) -> Self {
-        let half = |posts: u32| (posts - 1).div_ceil(2) + 1;
         let (cols, rows) = (half(self.heights.cols()), half(self.heights.rows()));
-        let heights = TiledRaster::from_fn(cols, rows, |col, row| self.mean_height(col, row));
+        let heights = halved(&self.heights);
         let bounds = TiledCells::from_fn(cols - 1, rows - 1, |col, row| {
             self.bounds_over(heights.cell(col, row), col, row)
         });
@@ -147,9 +147,7 @@ impl PyramidLevel {
         reshaped: &[TileIndex],
         recoloured: &[TileIndex],
     ) -> Self {
-        let heights = old
-            .heights
-            .with_tiles_renewed(reshaped, |col, row| self.mean_height(col, row));
+        let heights = halved_renewed(&self.heights, &old.heights, reshaped);
         let bounds = old.bounds.with_tiles_renewed(reshaped, |col, row| {
             self.bounds_over(heights.cell(col, row), col, row)
         });
@@ -160,13 +158,6 @@ impl PyramidLevel {
             heights,
             bounds,
         }
-    }
-
-    /// The mean of this level's heights around post (`col`, `row`) of the next.
-    fn mean_height(&self, col: u32, row: u32) -> f32 {
-        let (cols, rows) = self.taps(col, row);
-        let along = |row| weighted(cols.map(|col| f64::from(self.heights.post(col, row))));
-        weighted(rows.map(along)) as f32
     }
 
     /// The mean of this level's colours around post (`col`, `row`) of the next.

@@ -51,9 +51,9 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
         let tiles = (tiles_across * (rows - 1).div_ceil(TILE_CELLS)) as usize;
         let stride = cols.min(TILE_CELLS + 1) as usize;
-        // Some slots more, for edits.
+        // Some slots more: for edits, and for a mipmap's levels beside the raster and their edits.
         let slab = Slab::new(
-            tiles + tiles / 8 + 4,
+            tiles + tiles / 8 + 4 + 2 * crate::mipmap::coarser_tiles(cols, rows),
             stride * rows.min(TILE_CELLS + 1) as usize + SPARE,
         );
         let slots = (0..tiles).map_while(|_| slab.take()).collect();
@@ -114,24 +114,99 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// # Panics
     /// Where a side has fewer than 2 posts.
     pub fn from_fn(cols: u32, rows: u32, post: impl Fn(u32, u32) -> T + Sync) -> Self {
+        Self::from_rows(cols, rows, each_post(post))
+    }
+
+    /// As [`TiledRaster::from_fn`], a tile's row at a time: `fill(row, col, into)` fills `into` with
+    /// the posts of a row from column `col` on.
+    pub(crate) fn from_rows(
+        cols: u32,
+        rows: u32,
+        fill: impl Fn(u32, u32, &mut [T]) + Sync,
+    ) -> Self {
         let (mut raster, slots) = Self::empty(cols, rows);
-        let (across, stride) = (raster.tiles_across, raster.stride);
-        raster.tiles = slots
-            .into_par_iter()
-            .enumerate()
-            .map(|(tile, mut slot)| {
-                let col0 = tile as u32 % across * TILE_CELLS;
-                let row0 = tile as u32 / across * TILE_CELLS;
-                let row1 = rows.min(row0 + TILE_CELLS + 1);
-                for (row, posts) in (row0..row1).zip(slot.items_mut().chunks_exact_mut(stride)) {
-                    for (col, to) in (col0..).zip(posts) {
-                        *to = post(col.min(cols - 1), row);
-                    }
-                }
-                Arc::new(slot)
-            })
-            .collect();
+        raster.tiles = raster.filled(slots.into_iter().enumerate().collect(), fill);
         raster
+    }
+
+    /// As [`TiledRaster::from_rows`], in free slots of this raster's memory; or `None` where there
+    /// are too few of them. The new raster must not be larger than this one.
+    pub(crate) fn from_rows_beside(
+        &self,
+        cols: u32,
+        rows: u32,
+        fill: impl Fn(u32, u32, &mut [T]) + Sync,
+    ) -> Option<Self> {
+        let tiles_across = (cols - 1).div_ceil(TILE_CELLS);
+        let tiles = (tiles_across * (rows - 1).div_ceil(TILE_CELLS)) as usize;
+        let slots: Vec<_> = (0..tiles).map_while(|_| self.slab.take()).collect();
+        let mut raster = Self {
+            cols,
+            rows,
+            tiles_across,
+            stride: self.stride,
+            slab: Arc::clone(&self.slab),
+            tiles: Vec::new(),
+        };
+        if slots.len() < tiles {
+            return None;
+        }
+        raster.tiles = raster.filled(slots.into_iter().enumerate().collect(), fill);
+        Some(raster)
+    }
+
+    /// Fills slots, each for the tile of the number beside it, in parallel.
+    fn filled(
+        &self,
+        slots: Vec<(usize, Slot<T>)>,
+        fill: impl Fn(u32, u32, &mut [T]) + Sync,
+    ) -> Vec<Arc<Slot<T>>> {
+        let (across, stride) = (self.tiles_across, self.stride);
+        let fill_tile = |(tile, mut slot): (usize, Slot<T>)| {
+            let col0 = tile as u32 % across * TILE_CELLS;
+            let row0 = tile as u32 / across * TILE_CELLS;
+            let width = self.cols.min(col0 + TILE_CELLS + 1) - col0;
+            let posts = &mut slot.items_mut()[..self.height(tile) * stride];
+            for (row, posts) in (row0..).zip(posts.chunks_exact_mut(stride)) {
+                let (posts, beyond) = posts.split_at_mut(width as usize);
+                fill(row, col0, posts);
+                beyond.fill(posts[posts.len() - 1]);
+            }
+            Arc::new(slot)
+        };
+        slots.into_par_iter().map(fill_tile).collect()
+    }
+
+    /// Copies the posts of row `row` from column `col` on; off the raster the nearest post repeats.
+    pub(crate) fn copy_row(&self, col: i64, row: i64, into: &mut [T]) {
+        let row = row.clamp(0, i64::from(self.rows) - 1) as u32;
+        let tile_row = row.min(self.rows - 2) >> TILE_SHIFT;
+        let within = (row - tile_row * TILE_CELLS) as usize * self.stride;
+        let count = into.len() as i64;
+        let last = i64::from(self.cols) - 1;
+        let mut at = 0;
+        while at < count {
+            let col = col + at;
+            let inside = col.clamp(0, last) as u32;
+            let tile_col = inside.min(self.cols - 2) >> TILE_SHIFT;
+            let tile = &self.tiles[(tile_row * self.tiles_across + tile_col) as usize];
+            let x = inside - tile_col * TILE_CELLS;
+            let posts = &tile[within + x as usize..];
+            let run = if col < 0 {
+                -col
+            } else if col >= last {
+                count - at
+            } else {
+                (last - col).min(i64::from(TILE_CELLS - x))
+            };
+            let to = &mut into[at as usize..(at + run).min(count) as usize];
+            if (0..last).contains(&col) {
+                to.copy_from_slice(&posts[..to.len()]);
+            } else {
+                to.fill(posts[0]);
+            }
+            at += run;
+        }
     }
 
     /// Builds a raster from rows that come as files store them, the northern first.
@@ -373,8 +448,17 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         tiles: &[TileIndex],
         post: impl Fn(u32, u32) -> T + Sync,
     ) -> Self {
+        self.with_rows_renewed(tiles, each_post(post))
+    }
+
+    /// As [`TiledRaster::with_tiles_renewed`], a tile's row at a time like
+    /// [`TiledRaster::from_rows`].
+    pub(crate) fn with_rows_renewed(
+        &self,
+        tiles: &[TileIndex],
+        fill: impl Fn(u32, u32, &mut [T]) + Sync,
+    ) -> Self {
         let mut result = self.clone();
-        let (across, stride, last) = (self.tiles_across, self.stride, self.cols - 1);
         let mut renewed = Vec::with_capacity(tiles.len());
         for (tile, index) in self.tile_indices().enumerate() {
             if tiles.contains(&index) {
@@ -388,23 +472,29 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
                 *slot = result.free_slot();
             }
         }
-        let renewed: Vec<_> = renewed
-            .into_par_iter()
-            .map(|(tile, mut slot)| {
-                let col0 = tile as u32 % across * TILE_CELLS;
-                let row0 = tile as u32 / across * TILE_CELLS;
-                let posts = &mut slot.items_mut()[..self.height(tile) * stride];
-                for (at, to) in posts.iter_mut().enumerate() {
-                    let col = (col0 + (at % stride) as u32).min(last);
-                    *to = post(col, row0 + (at / stride) as u32);
-                }
-                (tile, Arc::new(slot))
-            })
-            .collect();
-        for (tile, slot) in renewed {
+        let numbers: Vec<_> = renewed.iter().map(|(tile, _)| *tile).collect();
+        for (tile, slot) in numbers.into_iter().zip(self.filled(renewed, fill)) {
             result.tiles[tile] = slot;
         }
         result
+    }
+
+    /// Whether both rasters' tiles lie in the same memory.
+    pub(crate) fn is_beside(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.slab, &other.slab)
+    }
+
+    /// The memory of the tiles of several rasters that lie beside one another, in their order.
+    pub(crate) fn view_of<'a>(rasters: &'a [Self]) -> SlabView<'a, T> {
+        let tiles = rasters.iter().flat_map(|raster| &raster.tiles);
+        SlabView::new(&rasters[0].slab, tiles.map(|tile| &**tile))
+    }
+
+    /// The same raster in memory of its own.
+    pub(crate) fn moved(&self) -> Self {
+        Self::from_rows(self.cols, self.rows, |row, col, into| {
+            self.copy_row(i64::from(col), i64::from(row), into);
+        })
     }
 
     /// Whether both snapshots hold the very same tile.
@@ -415,9 +505,35 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     }
 }
 
+/// Fills rows post by post.
+fn each_post<T>(post: impl Fn(u32, u32) -> T) -> impl Fn(u32, u32, &mut [T]) {
+    move |row, col0, into| {
+        for (col, to) in (col0..).zip(into) {
+            *to = post(col, row);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_copied_over_tile_borders_and_beyond_the_raster() {
+        for (cols, rows) in [(600, 515), (2, 2), (257, 300), (258, 257)] {
+            let raster = TiledRaster::from_fn(cols, rows, |col, row| col * 1000 + row);
+            for row in [-3, 0, 1, 255, 256, 257, 512, 513, 514, 999] {
+                for (col, len) in [(-5, 620), (255, 4), (256, 1), (0, 2), (599, 3), (700, 2)] {
+                    let mut copy = vec![0; len];
+                    raster.copy_row(col, row, &mut copy);
+                    let clamp = |at: i64, posts: u32| at.clamp(0, i64::from(posts) - 1) as u32;
+                    for (at, &post) in (col..).zip(&copy) {
+                        assert_eq!(post, raster.post(clamp(at, cols), clamp(row, rows)));
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn cells_across_tile_borders_have_the_right_posts() {
