@@ -50,7 +50,7 @@ impl Mipmap {
         while let Some(finer) = levels.last()
             && let Some([cols, rows]) = half([finer.cols(), finer.rows()])
         {
-            let coarser = finer.from_rows_beside(cols, rows, means(finer))?;
+            let coarser = finer.laid_beside(cols, rows, means(finer))?;
             levels.push(coarser);
         }
         Some(Self { levels })

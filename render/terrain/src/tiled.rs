@@ -131,7 +131,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
 
     /// As [`TiledRaster::from_rows`], in free slots of this raster's memory; or `None` where there
     /// are too few of them. The new raster must not be larger than this one.
-    pub(crate) fn from_rows_beside(
+    pub(crate) fn laid_beside(
         &self,
         cols: u32,
         rows: u32,
@@ -477,6 +477,15 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
             result.tiles[tile] = slot;
         }
         result
+    }
+
+    /// Whether both are snapshots of a raster between which nothing was changed.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        let tiles = self.tiles.iter().zip(&other.tiles);
+        self.tiles.len() == other.tiles.len()
+            && self.cols == other.cols
+            && tiles.into_iter().all(|(a, b)| Arc::ptr_eq(a, b))
     }
 
     /// Whether both rasters' tiles lie in the same memory.

@@ -1,5 +1,6 @@
 //! Block by block: rays high over the ground skip what lies wholly below them.
 
+use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::maxima::{LEVEL_BEGIN, TOP};
 use super::wave::Wave;
@@ -14,15 +15,22 @@ pub(super) fn level_for<L: Lanes>(l: L, over: L::F) -> L::I {
 }
 
 /// Leads each ray of `wave` over one block, or to a smaller one where it is not wholly above it.
-/// Those that are down to single cells go to `low`. A ray `near` metres over a block, times its
-/// size, goes on with larger ones.
+/// Those that are down to single cells go to `low`, and those that are too far for this resolution
+/// to `coarser`. A ray that is over a block by more than the limit of nearness, times its size, goes
+/// on with larger ones.
 #[inline(always)]
-pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mut Wave, near: f32) {
+pub(super) fn climb<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    wave: &mut Wave,
+    low: &mut Wave,
+    mut coarser: Option<Coarser<'_>>,
+) {
     let (zero, one) = (l.splat_i(0), l.splat_i(1));
     let top = l.splat_i(TOP as i32);
     let eye = l.splat(field.eye_height);
     let within = l.splat_i(255);
-    let near = l.splat(near);
+    let near = l.splat(field.near);
     let rays = wave.len();
     let (mut kept, mut landed) = (0, low.len());
     for at in (0..rays).step_by(LANES) {
@@ -72,7 +80,14 @@ pub(super) fn climb<L: Lanes>(l: L, field: &Field<'_>, wave: &mut Wave, low: &mu
         let major = l.select_i(clear, next_major, major);
         let minor = l.select_i(clear, next_minor, minor);
         let t = l.select(clear, next, t);
-        let left = l.and_not(clear, l.lt(next, ray.leave));
+        let left = l.and_not(l.and(mask, clear), l.lt(next, ray.leave));
+        if let Some(coarser) = &mut coarser
+            && l.bits(left) != 0
+        {
+            let leave = field.leave(l, ray.inverse, ray.slope);
+            let passes = l.and(left, l.lt(next, leave));
+            coarser.take(l, passes, &ray, next, leave, Some(level));
+        }
         let size = l.to_float(l.shl_i(one, level));
         let high = l.and(clear, l.lt(l.mul(size, near), over));
         let level = l.add_i_where(high, level, one);

@@ -36,6 +36,12 @@ impl<'a, T> Tiles<'a, T> {
             l.mul_i(l.shr_i(y, shift), l.splat_i(self.across)),
             l.shr_i(x, shift),
         );
+        self.begin(l, number)
+    }
+
+    /// Where tiles begin.
+    #[inline(always)]
+    fn begin<L: Lanes>(&self, l: L, number: L::I) -> L::I {
         if self.in_order {
             l.mul_i(number, l.splat_i(self.items.slot_len() as i32))
         } else {
@@ -53,10 +59,32 @@ impl<'a, T> Tiles<'a, T> {
     /// The place of (x, y).
     #[inline(always)]
     pub(super) fn place<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
+        l.add_i(self.base(l, x, y), self.within(l, x, y))
+    }
+
+    /// The place of (x, y) of a raster of its own: one that begins with tile `first` and has
+    /// `across` tiles from west to east.
+    #[inline(always)]
+    pub(super) fn place_in<L: Lanes>(
+        &self,
+        l: L,
+        first: L::I,
+        across: L::I,
+        x: L::I,
+        y: L::I,
+    ) -> L::I {
+        let shift = l.splat_i(TILE_SHIFT);
+        let row = l.mul_i(l.shr_i(y, shift), across);
+        let number = l.add_i(first, l.add_i(row, l.shr_i(x, shift)));
+        l.add_i(self.begin(l, number), self.within(l, x, y))
+    }
+
+    /// The place of (x, y) in its tile.
+    #[inline(always)]
+    fn within<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
         let within = l.splat_i(TILE_LAST);
         let row = l.mul_i(l.and_i(y, within), l.splat_i(self.stride as i32));
-        let at = l.add_i(row, l.and_i(x, within));
-        l.add_i(self.base(l, x, y), at)
+        l.add_i(row, l.and_i(x, within))
     }
 }
 
@@ -146,7 +174,8 @@ impl Axis {
     }
 }
 
-/// The ground as the rays of one sector meet it.
+/// The ground, at one of its resolutions, as the rays of one sector meet it. Cells, and the rays'
+/// parameter, are those of that resolution.
 pub(super) struct Field<'a> {
     pub(super) heights: &'a Tiles<'a, f32>,
     pub(super) maxima: &'a Tiles<'a, u16>,
@@ -163,9 +192,25 @@ pub(super) struct Field<'a> {
     pub(super) rounding: f32,
     pub(super) code_base: f32,
     pub(super) code_step: f32,
+    /// Cells of the ground along a side of a cell.
+    pub(super) scale: f32,
+    /// Metres over the ground from which on blocks of cells are skipped.
+    pub(super) near: f32,
+    /// Where the ground ends, in cells from the eye along major and minor axis.
+    pub(super) ends: [f32; 2],
 }
 
 impl<'a> Field<'a> {
+    /// Where rays have left all ground.
+    #[inline(always)]
+    pub(super) fn leave<L: Lanes>(&self, l: L, inverse: L::F, slope: L::F) -> L::F {
+        let [major_end, minor_end] = self.ends;
+        let leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
+        let rises = l.lt(l.splat(0.0), slope);
+        let top = l.splat(self.highest - self.eye_height);
+        l.select(rises, l.min(leave, l.div(top, slope)), leave)
+    }
+
     /// The axes x and y.
     #[inline(always)]
     pub(super) fn x_y(&self) -> [&Axis; 2] {

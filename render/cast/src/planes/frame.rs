@@ -1,20 +1,44 @@
 //! One view of the prepared ground.
 
+use super::detail::DetailFrame;
 use super::field::Tiles;
+use super::maxima::Maxima;
 use super::sectors::{ImageRays, Sector};
 use crate::intersect::GridFrame;
 use crate::lanes::Isa;
 use glam::DVec3;
-use sandtable_terrain::Ground;
+use sandtable_terrain::{Ground, TiledRaster};
 use sandtable_view::View;
 
-/// What all sectors of one view share.
-pub(super) struct Frame<'a> {
-    pub(super) isa: Isa,
+/// The ground at one resolution.
+pub(super) struct Level<'a> {
     pub(super) heights: Tiles<'a, f32>,
     pub(super) maxima: Tiles<'a, u16>,
     /// Cells along x and y.
     pub(super) cells: [i32; 2],
+}
+
+impl<'a> Level<'a> {
+    pub(super) fn new(heights: &'a TiledRaster<f32>, maxima: &'a Maxima) -> Self {
+        Self {
+            heights: Tiles::new(
+                heights.view(),
+                heights.tiles_across(),
+                heights.tile_stride(),
+            ),
+            maxima: Tiles::new(maxima.view(), heights.tiles_across(), 0),
+            cells: [heights.cols() as i32 - 1, heights.rows() as i32 - 1],
+        }
+    }
+}
+
+/// What all sectors of one view share.
+pub(super) struct Frame<'a> {
+    pub(super) isa: Isa,
+    /// The ground's own resolution and, where detail is chosen, those that are halved again and
+    /// again.
+    pub(super) levels: Vec<Level<'a>>,
+    pub(super) detail: Option<DetailFrame<'a>>,
     pub(super) ground: &'a Ground,
     pub(super) view: &'a View,
     pub(super) rays: ImageRays,

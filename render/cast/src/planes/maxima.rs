@@ -1,7 +1,7 @@
 //! The highest ground in blocks of cells: the pyramid that rays descend.
 
 use rayon::prelude::*;
-use sandtable_terrain::{Ground, Slab, SlabView, Slot, TILE_CELLS, TileIndex};
+use sandtable_terrain::{Ground, Slab, SlabView, Slot, TILE_CELLS, TileIndex, TiledRaster};
 use std::sync::Arc;
 
 /// The coarsest level: one block a tile.
@@ -36,14 +36,13 @@ pub(super) struct Maxima {
 }
 
 impl Maxima {
-    /// Of all tiles of `ground`, in parallel.
-    pub(super) fn new(ground: &Ground) -> Self {
-        let [low, high] = ground.range();
+    /// Of all tiles of `heights`, which lie in `range`, in parallel.
+    pub(super) fn new(heights: &TiledRaster<f32>, [low, high]: [f32; 2]) -> Self {
         // Half the range below and above is left to edits. And a step too long by a little: the
         // highest code must not fall short of the highest post.
         let low = low - 0.5 * (high - low);
         let step = ((high - low) / 49150.0).max(f32::MIN_POSITIVE) * 1.000_001;
-        let indices: Vec<_> = ground.heights().tile_indices().collect();
+        let indices: Vec<_> = heights.tile_indices().collect();
         let slab = Slab::new(indices.len() + indices.len() / 8 + 4, BLOCKS + SPARE);
         let mut maxima = Self {
             tiles: Vec::new(),
@@ -56,7 +55,7 @@ impl Maxima {
             .into_par_iter()
             .zip(slots)
             .map(|(index, mut slot)| {
-                maxima.fill(ground, index, slot.items_mut());
+                maxima.fill(heights, index, slot.items_mut());
                 Arc::new(slot)
             })
             .collect();
@@ -64,22 +63,26 @@ impl Maxima {
     }
 
     /// With the `changed` tiles made anew, and the rest shared.
-    pub(super) fn updated(&self, ground: &Ground, changed: &[TileIndex]) -> Self {
-        let [low, high] = ground.range();
+    pub(super) fn updated(
+        &self,
+        heights: &TiledRaster<f32>,
+        [low, high]: [f32; 2],
+        changed: &[TileIndex],
+    ) -> Self {
         if low < self.base || high > self.base + 65533.0 * self.step {
-            return Self::new(ground);
+            return Self::new(heights, [low, high]);
         }
         let mut result = self.clone();
-        let across = ground.heights().tiles_across();
+        let across = heights.tiles_across();
         for &index in changed {
             let slot = (index.row * across + index.col) as usize;
             if slot >= result.tiles.len() {
                 continue;
             }
             let Some(mut blocks) = self.slab.take() else {
-                return Self::new(ground);
+                return Self::new(heights, [low, high]);
             };
-            self.fill(ground, index, blocks.items_mut());
+            self.fill(heights, index, blocks.items_mut());
             result.tiles[slot] = Arc::new(blocks);
         }
         result
@@ -100,8 +103,7 @@ impl Maxima {
         }
     }
 
-    fn fill(&self, ground: &Ground, index: TileIndex, blocks: &mut [u16]) {
-        let heights = ground.heights();
+    fn fill(&self, heights: &TiledRaster<f32>, index: TileIndex, blocks: &mut [u16]) {
         let stride = heights.tile_stride();
         let posts = heights.tile_posts(index);
         let rows = posts.len() / stride;
@@ -207,7 +209,7 @@ mod tests {
     #[test]
     fn blocks_are_bounded_from_above_and_tightly() {
         let ground = ground(rough);
-        let maxima = Maxima::new(&ground);
+        let maxima = Maxima::new(ground.heights(), ground.range());
         let view = maxima.view();
         for (tile, index) in ground.heights().tile_indices().enumerate() {
             let blocks = view.from_place(view.bases()[tile]);
@@ -236,7 +238,8 @@ mod tests {
         let before = ground(rough);
         let edited = before.edited(250..258, 100..103, |_, _, height| height + 35.0);
         let (after, changed) = edited.expect("finite");
-        let maxima = Maxima::new(&before).updated(&after, &changed);
+        let maxima = Maxima::new(before.heights(), before.range());
+        let maxima = maxima.updated(after.heights(), after.range(), &changed);
         let steepness = Steepness::new(&before).updated(&after, &changed);
         assert_eq!(steepness.steepest(), Steepness::new(&after).steepest());
         assert!(steepness.steepest()[0] > Steepness::new(&before).steepest()[0]);

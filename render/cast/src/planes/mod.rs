@@ -2,18 +2,22 @@
 //! G4).
 
 mod climb;
+mod coarser;
+mod detail;
 mod field;
+mod footprint;
 mod frame;
 mod maxima;
 mod pixels;
 mod rows;
 mod sectors;
 mod shade;
+mod texture;
 mod walk;
 mod wave;
 
-use self::field::Tiles;
-use self::frame::Frame;
+use self::detail::{Detail, DetailOptions};
+use self::frame::{Frame, Level};
 use self::maxima::{Maxima, Steepness};
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{ImageRays, Sector};
@@ -35,14 +39,20 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub struct Planes {
     isa: Isa,
+    detail: Option<DetailOptions>,
 }
 
 impl Planes {
     /// What can be set.
-    pub const OPTIONS: [CasterOption; 1] = [CasterOption {
-        name: "isa",
-        meaning: "the instruction set: best, or of the processor's avx512, avx2, neon and portable",
-    }];
+    pub const OPTIONS: [CasterOption; 4] = [
+        CasterOption {
+            name: "isa",
+            meaning: "the instruction set: best, or of the processor's avx512, avx2, neon and portable",
+        },
+        DetailOptions::LOD,
+        DetailOptions::CELL,
+        DetailOptions::BLUR,
+    ];
 
     pub(crate) fn read(options: &Options<'_>) -> Result<Self, CastError> {
         let all = Isa::all();
@@ -50,6 +60,7 @@ impl Planes {
         choices.extend(all.into_iter().map(|isa| (isa.name(), isa)));
         Ok(Self {
             isa: options.choice("isa", &choices)?,
+            detail: DetailOptions::read(options)?,
         })
     }
 }
@@ -58,8 +69,9 @@ impl Caster for Planes {
     fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
         Ok(Arc::new(PlanesScene {
             isa: self.isa,
-            maxima: Maxima::new(&scene.ground),
+            maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
             steepness: Steepness::new(&scene.ground),
+            detail: self.detail.map(|options| Detail::new(options, &scene.ground)),
             scene,
         }))
     }
@@ -70,6 +82,7 @@ struct PlanesScene {
     scene: Arc<Scene>,
     maxima: Maxima,
     steepness: Steepness,
+    detail: Option<Detail>,
 }
 
 /// How many pixels of a step a sector has at most, about.
@@ -134,8 +147,15 @@ impl UnitCaster for PlanesScene {
     ) -> Result<Arc<dyn PreparedScene>, CastError> {
         Ok(Arc::new(Self {
             isa: self.isa,
-            maxima: self.maxima.updated(&scene.ground, changed),
+            maxima: self.maxima.updated(
+                scene.ground.heights(),
+                scene.ground.range(),
+                changed,
+            ),
             steepness: self.steepness.updated(&scene.ground, changed),
+            detail: self.detail.as_ref().map(|detail| {
+                detail.updated(&self.scene.ground, &scene.ground, changed)
+            }),
             scene,
         }))
     }
@@ -143,7 +163,6 @@ impl UnitCaster for PlanesScene {
     fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
         let ground = &*self.scene.ground;
         let grid = ground.grid();
-        let heights = ground.heights();
         let [low, high] = ground.range();
         let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
         let rays = ImageRays::new(
@@ -153,15 +172,14 @@ impl UnitCaster for PlanesScene {
             per_metre,
             view.size,
         );
+        let mut levels = vec![Level::new(ground.heights(), &self.maxima)];
+        if let Some(detail) = &self.detail {
+            levels.extend(detail.coarser());
+        }
         Ok(Frame {
             isa: self.isa,
-            heights: Tiles::new(
-                heights.view(),
-                heights.tiles_across(),
-                heights.tile_stride(),
-            ),
-            maxima: Tiles::new(self.maxima.view(), heights.tiles_across(), 0),
-            cells: [grid.cols as i32 - 1, grid.rows as i32 - 1],
+            levels,
+            detail: self.detail.as_ref().map(Detail::frame),
             ground,
             view,
             sectors: rays.sectors(WIDTH),

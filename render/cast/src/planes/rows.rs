@@ -1,11 +1,13 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
 use super::climb::{climb, level_for};
+use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::frame::Frame;
 use super::maxima::TOP;
 use super::pixels::PixelBlock;
 use super::sectors::Sector;
+use super::footprint::Around;
 use super::shade::{Chunk, Shader, Shading};
 use super::walk::{Passage, walk};
 use super::wave::{CHUNK, Ray, Wave};
@@ -27,16 +29,28 @@ pub(super) struct Scratch {
     /// The rays of these steps, for their colours.
     advance: Vec<f32>,
     slope: Vec<f32>,
-    /// Rays that go from cell to cell, and those that skip blocks.
-    low: Box<Wave>,
-    high: Box<Wave>,
+    /// The rays on their way over each of the ground's resolutions.
+    waves: Vec<Waves>,
     passage: Box<Passage>,
     shading: Box<Shading>,
     /// Colours and depths of the last steps.
     pixels: PixelBlock,
 }
 
-/// Rays that may stay on their way while the next step begins.
+/// Rays over one resolution: those that go from cell to cell, and those that skip blocks.
+#[derive(Default)]
+struct Waves {
+    low: Box<Wave>,
+    high: Box<Wave>,
+}
+
+impl Waves {
+    fn len(&self) -> usize {
+        self.low.len() + self.high.len()
+    }
+}
+
+/// Rays that may stay on their way while the next step begins: low and high ones each.
 const UNFINISHED: usize = 2 * LANES;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
@@ -113,7 +127,8 @@ struct March<'a, L: Lanes> {
     frame: &'a Frame<'a>,
     /// Numbers a step in the scratch.
     room: usize,
-    field: Field<'a>,
+    /// The ground at its own resolution, and at coarser ones.
+    fields: Vec<Field<'a>>,
     directions: Directions,
     /// The vanishing point of the vertical in steps and lanes of the sector.
     vertical: [f64; 3],
@@ -138,9 +153,13 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let room = (width + 2 * MARGIN + LANES).next_power_of_two();
     let march = March::new(l, frame, sector, room);
     scratch.lanes = [[0, 0]; MEMORY];
+    let levels = scratch.waves.len().max(march.fields.len());
+    scratch.waves.resize_with(levels, Waves::default);
     // A cast that panicked may have left some behind.
-    scratch.low.truncate(0);
-    scratch.high.truncate(0);
+    for waves in &mut scratch.waves {
+        waves.low.truncate(0);
+        waves.high.truncate(0);
+    }
     for numbers in [
         &mut scratch.reached,
         &mut scratch.advance,
@@ -149,13 +168,15 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         numbers.resize(numbers.len().max(room * MEMORY), 0.0);
     }
     scratch.pixels.begin(width + MARGIN);
-    let shader = Shader::new(frame, sector, &march.field);
+    let shader = Shader::new(frame, sector, &march.fields[0]);
+    // A pixel's footprint is seen by its neighbours of the steps before and behind.
+    let lag = u32::from(frame.detail.is_some());
     let mut shaded = 0;
     for step in 0..sector.steps {
         // The step whose place this one takes must be done.
-        if step as usize >= MEMORY && shaded + MEMORY as u32 <= step {
+        if step as usize >= MEMORY && shaded + MEMORY as u32 <= step + 2 * lag {
             march.go_on(scratch, 0, tally);
-            shaded = march.shade(&shader, canvas, scratch, shaded, step);
+            shaded = march.shade(&shader, canvas, scratch, shaded, step - lag);
         }
         let lanes = sector.lanes(step);
         scratch.lanes[step as usize % MEMORY] = lanes;
@@ -167,8 +188,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             );
             march.go_on(scratch, UNFINISHED, tally);
         }
-        let first_open = march.first_open(step, scratch);
-        shaded = march.shade(&shader, canvas, scratch, shaded, first_open);
+        let done = march.first_open(step, scratch).saturating_sub(lag);
+        shaded = march.shade(&shader, canvas, scratch, shaded, done);
     }
     march.go_on(scratch, 0, tally);
     march.shade(&shader, canvas, scratch, shaded, sector.steps);
@@ -177,12 +198,43 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
 
 impl<'a, L: Lanes> March<'a, L> {
     fn new(l: L, frame: &'a Frame<'a>, sector: &'a Sector, room: usize) -> Self {
-        let eye = [frame.eye.x, frame.eye.y];
-        let axis = |number: usize, sign| Axis::new(eye[number], frame.cells[number], sign);
-        let major = axis(sector.major, sector.signs[0]);
-        let minor = axis(1 - sector.major, sector.signs[1]);
+        let field = |level: usize| {
+            let scale = f64::from(1 << level);
+            let [eye_x, eye_y] = [frame.eye.x / scale, frame.eye.y / scale];
+            let ground = &frame.levels[level];
+            let axis = |number: usize, sign| {
+                let eye = [eye_x, eye_y][number];
+                Axis::new(eye, ground.cells[number], sign)
+            };
+            let [major, minor] = [
+                axis(sector.major, sector.signs[0]),
+                axis(1 - sector.major, sector.signs[1]),
+            ];
+            Field {
+                heights: &ground.heights,
+                maxima: &ground.maxima,
+                major,
+                minor,
+                major_axis: sector.major,
+                eye_height: frame.eye.z as f32,
+                eye_rest: (frame.eye.z - f64::from(frame.eye.z as f32)) as f32,
+                highest: frame.highest + frame.rounding,
+                rounding: frame.rounding,
+                code_base: frame.code_base,
+                code_step: frame.code_step,
+                scale: scale as f32,
+                near: frame.near * scale as f32,
+                ends: [0.0; 2],
+            }
+        };
+        let mut fields: Vec<_> = (0..frame.levels.len()).map(field).collect();
+        let [major, minor] = [fields[0].major, fields[0].minor];
         let bounds =
             [major, minor].map(|axis| [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]);
+        for field in &mut fields {
+            // Coarser cells may reach out over the ground's border: it ends where it ends.
+            field.ends = bounds.map(|[_, end]| end / field.scale);
+        }
         let [x, y, w] = frame.rays.vertical();
         let (across, along) = if sector.step_axis == 0 {
             (y, x)
@@ -201,19 +253,7 @@ impl<'a, L: Lanes> March<'a, L> {
             sector,
             frame,
             room,
-            field: Field {
-                heights: &frame.heights,
-                maxima: &frame.maxima,
-                major,
-                minor,
-                major_axis: sector.major,
-                eye_height: frame.eye.z as f32,
-                eye_rest: (frame.eye.z - f64::from(frame.eye.z as f32)) as f32,
-                highest: frame.highest + frame.rounding,
-                rounding: frame.rounding,
-                code_base: frame.code_base,
-                code_step: frame.code_step,
-            },
+            fields,
             directions: Directions::new(frame, sector),
             vertical,
             steepest: f64::from(frame.steepest[1 - sector.major]),
@@ -270,7 +310,8 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// The first step of which rays are still on their way, or the one behind `step`.
     fn first_open(&self, step: u32, scratch: &Scratch) -> u32 {
-        let open = scratch.low.ids().iter().chain(scratch.high.ids());
+        let waves = scratch.waves.iter();
+        let open = waves.flat_map(|waves| waves.low.ids().iter().chain(waves.high.ids()));
         let steps_back = open.map(|&id| {
             let slot = id as u32 >> self.room.trailing_zeros();
             step.wrapping_sub(slot) % MEMORY as u32
@@ -294,7 +335,21 @@ impl<'a, L: Lanes> March<'a, L> {
                 let count = (lanes[1] - first).min(CHUNK as i32) as usize;
                 let at = self.slot(step) + MARGIN + first as usize;
                 let numbers = at..at + count.next_multiple_of(LANES);
+                let around = |step: u32| {
+                    let from = self.slot(step) + MARGIN + first as usize - 1;
+                    let numbers = from..from + count.next_multiple_of(LANES) + 2;
+                    Around {
+                        lanes: scratch.lanes[step as usize % MEMORY].map(|lane| lane - first),
+                        reached: &scratch.reached[numbers.clone()],
+                        advance: &scratch.advance[numbers],
+                    }
+                };
                 let chunk = Chunk {
+                    around: [
+                        (step > 0).then(|| around(step - 1)),
+                        Some(around(step)),
+                        (step + 1 < self.sector.steps).then(|| around(step + 1)),
+                    ],
                     step,
                     first,
                     count,
@@ -324,36 +379,26 @@ impl<'a, L: Lanes> March<'a, L> {
     /// high.
     fn go_on<T: Tally>(&self, scratch: &mut Scratch, unfinished: usize, tally: &mut T) {
         let l = self.l;
-        loop {
-            let (low, high) = (scratch.low.len(), scratch.high.len());
-            if low <= unfinished && high <= unfinished {
-                break;
-            }
-            let climbs = high > unfinished && high > low;
-            let looked_at = if climbs { high } else { low };
+        while let Some((level, climbs)) = self.next_wave(scratch, unfinished) {
+            let (waves, behind) = scratch.waves[level..].split_at_mut(1);
+            let Waves { low, high } = &mut waves[0];
+            let coarser = self.fields.get(level + 1).zip(behind.first_mut());
+            let coarser = coarser.map(|(field, waves)| Coarser {
+                field,
+                low: &mut waves.low,
+                high: &mut waves.high,
+                is_last: level + 2 == self.fields.len(),
+            });
+            let looked_at = if climbs { high.len() } else { low.len() };
+            let field = &self.fields[level];
             if climbs {
                 l.vectorize(
                     #[inline(always)]
-                    || {
-                        climb(
-                            l,
-                            &self.field,
-                            &mut scratch.high,
-                            &mut scratch.low,
-                            self.frame.near,
-                        );
-                    },
+                    || climb(l, field, high, low, coarser),
                 );
             } else {
-                walk(
-                    l,
-                    &self.field,
-                    &mut scratch.low,
-                    &mut scratch.high,
-                    &mut scratch.passage,
-                    &mut scratch.reached,
-                    self.frame.near,
-                );
+                let passage = &mut scratch.passage;
+                walk(l, field, low, high, passage, &mut scratch.reached, coarser);
             }
             for _ in 0..looked_at {
                 tally.cell();
@@ -363,18 +408,43 @@ impl<'a, L: Lanes> March<'a, L> {
             l.vectorize(
                 #[inline(always)]
                 || {
-                    for wave in [&scratch.low, &scratch.high] {
-                        for at in (0..wave.len()).step_by(LANES) {
-                            let mask = l.mask(wave.mask(at));
-                            let ray = wave.ray(l, at);
-                            let clear = l.max(wave.t(l, at), l.splat(f32::MIN_POSITIVE));
-                            let clear = l.sub(l.splat(0.0), clear);
-                            l.scatter(mask, ray.id, clear, &mut scratch.reached);
+                    for (waves, field) in scratch.waves.iter().zip(&self.fields) {
+                        for wave in [&waves.low, &waves.high] {
+                            for at in (0..wave.len()).step_by(LANES) {
+                                let mask = l.mask(wave.mask(at));
+                                let ray = wave.ray(l, at);
+                                let clear = l.mul(wave.t(l, at), l.splat(field.scale));
+                                let clear = l.max(clear, l.splat(f32::MIN_POSITIVE));
+                                let clear = l.sub(l.splat(0.0), clear);
+                                l.scatter(mask, ray.id, clear, &mut scratch.reached);
+                            }
                         }
                     }
                 },
             );
         }
+    }
+
+    /// The resolution that most rays are on their way over, and whether most of these skip blocks;
+    /// `None` where so few are left that they may wait.
+    fn next_wave(&self, scratch: &Scratch, unfinished: usize) -> Option<(usize, bool)> {
+        let waves = &scratch.waves[..self.fields.len()];
+        let (level, fullest) = if let [only] = waves {
+            (0, only)
+        } else {
+            let left: usize = waves.iter().map(Waves::len).sum();
+            if left <= 2 * unfinished {
+                return None;
+            }
+            let fullest = |waves: &&Waves| waves.low.len().max(waves.high.len());
+            let by_level = waves.iter().enumerate();
+            by_level.max_by_key(|(_, waves)| fullest(waves))?
+        };
+        let (low, high) = (fullest.low.len(), fullest.high.len());
+        if waves.len() == 1 && low <= unfinished && high <= unfinished {
+            return None;
+        }
+        Some((level, high > low && (high > unfinished || waves.len() > 1)))
     }
 
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
@@ -392,19 +462,25 @@ impl<'a, L: Lanes> March<'a, L> {
         let v_minor = l.mul(l.splat(v.y as f32), iota);
         let v_up = l.mul(l.splat(v.z as f32), iota);
         let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
-        let eye = self.field.eye_height;
-        let above = eye > self.field.highest;
-        let top = self.field.highest - eye;
+        let eye = self.fields[0].eye_height;
+        let above = eye > self.fields[0].highest;
+        let top = self.fields[0].highest - eye;
         let near_limit = l.splat(self.frame.near);
         let inverse_near = l.splat(1.0 / self.frame.near);
         let highest_level = l.splat_i(TOP as i32);
         // Towards the vanishing point: lanes aside for each step back, as an affine function of
         // the lane.
-        let [along, across, w] = self.vertical;
+        let [along, aside, w] = self.vertical;
         let back = (f64::from(step) * w - along).abs();
-        let towards = [across / back, -w / back];
+        let towards = [aside / back, -w / back];
+        // Along a step a ray's minor part changes, over its major one's square, by this much.
+        let across = self.frame.detail.as_ref().map(|detail| {
+            let d = self.directions.at(step, 0);
+            (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
+        });
         let slot = self.slot(step);
-        let (mut low_end, mut high_end) = (scratch.low.len(), scratch.high.len());
+        let waves = &mut scratch.waves[..self.fields.len()];
+        let (mut low_end, mut high_end) = (waves[0].low.len(), waves[0].high.len());
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
@@ -444,6 +520,11 @@ impl<'a, L: Lanes> March<'a, L> {
                 leave,
                 id: l.add_i(lane_numbers, l.splat_i(at as i32)),
             };
+            // How many cells a pixel covers across its ray, for each 1 of t.
+            let width = across.map(|across| {
+                let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
+                l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned)
+            });
             let mut fresh = ok;
             if let Some(before) = self.predecessor(step, towards, first, first + count - 1) {
                 let before_step = step - before.steps as u32;
@@ -458,16 +539,19 @@ impl<'a, L: Lanes> March<'a, L> {
                 let known = l.and(known, ok);
                 fresh = l.and_not(ok, known);
                 let known = l.and(known, l.lt(start, leave));
-                let cell = self.field.cell_at(l, start, advance);
+                let cell = self.fields[0].cell_at(l, start, advance);
                 let over = l.mul(start, l.splat(before.rise as f32));
-                let high = l.and(known, l.lt(near_limit, over));
-                let low = l.and_not(known, high);
-                low_end = scratch.low.put(l, low_end, low, &ray, start, cell);
-                if l.bits(high) != 0 {
-                    let level = level_for(l, l.mul(over, inverse_near));
-                    high_end = scratch
-                        .high
-                        .put_at_level(l, high_end, high, &ray, start, cell, level);
+                if let Some(width) = width {
+                    self.begin(waves, known, &ray, start, over, width);
+                } else {
+                    let Waves { low: near, high: far } = &mut waves[0];
+                    let high = l.and(known, l.lt(near_limit, over));
+                    let low = l.and_not(known, high);
+                    low_end = near.put(l, low_end, low, &ray, start, cell);
+                    if l.bits(high) != 0 {
+                        let level = level_for(l, l.mul(over, inverse_near));
+                        high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
+                    }
                 }
             }
             if l.bits(fresh) != 0 {
@@ -476,17 +560,76 @@ impl<'a, L: Lanes> March<'a, L> {
                     start = l.max(start, l.div(l.splat(top), slope));
                 }
                 let fresh = l.and(fresh, l.lt(start, leave));
-                let cell = self.field.cell_at(l, start, advance);
-                high_end =
-                    scratch
-                        .high
-                        .put_at_level(l, high_end, fresh, &ray, start, cell, highest_level);
+                if let Some(width) = width {
+                    self.begin(waves, fresh, &ray, start, l.splat(f32::MAX), width);
+                } else {
+                    let cell = self.fields[0].cell_at(l, start, advance);
+                    let high = &mut waves[0].high;
+                    high_end =
+                        high.put_at_level(l, high_end, fresh, &ray, start, cell, highest_level);
+                }
             }
             for _ in 0..count {
                 tally.ray();
             }
         }
-        scratch.low.truncate(low_end);
-        scratch.high.truncate(high_end);
+        if self.frame.detail.is_none() {
+            waves[0].low.truncate(low_end);
+            waves[0].high.truncate(high_end);
+        }
+    }
+
+    /// Puts rays on their way that are clear up to `start` and more than `over` metres over the
+    /// ground there, each at the resolution that suits its `width`: how many cells a pixel covers
+    /// across the ray for each 1 of t.
+    #[inline(always)]
+    fn begin(
+        &self,
+        waves: &mut [Waves],
+        mask: L::M,
+        ray: &Ray<L>,
+        start: L::F,
+        over: L::F,
+        width: L::F,
+    ) {
+        let l = self.l;
+        let coarsest = self.fields.len() as i32 - 1;
+        let covered = l.max(l.mul(start, width), l.splat(1.0));
+        let level = l.min_i(l.exponent(covered), l.splat_i(coarsest));
+        let mut levels = [0; LANES];
+        l.store_i(level, &mut levels);
+        // Where a pixel comes to cover two cells: as far away, in cells, at all resolutions.
+        let limit = l.div(l.splat(2.0), width);
+        let mut left = l.bits(mask);
+        while left != 0 {
+            let number = levels[left.trailing_zeros() as usize];
+            let these = l.and(l.mask(left), l.eq_i(level, l.splat_i(number)));
+            left &= !l.bits(these);
+            let (field, waves) = (&self.fields[number as usize], &mut waves[number as usize]);
+            let (scale, inverse_scale) = (l.splat(field.scale), l.splat(1.0 / field.scale));
+            let t = l.mul(start, inverse_scale);
+            let leave = l.mul(ray.leave, inverse_scale);
+            let ray = Ray {
+                slope: l.mul(ray.slope, scale),
+                leave: if number < coarsest {
+                    l.min(leave, limit)
+                } else {
+                    leave
+                },
+                ..*ray
+            };
+            let cell = field.cell_at(l, t, ray.advance);
+            let high = l.and(these, l.lt(l.splat(field.near), over));
+            let low = l.and_not(these, high);
+            let end = waves.low.len();
+            let end = waves.low.put(l, end, low, &ray, t, cell);
+            waves.low.truncate(end);
+            if l.bits(high) != 0 {
+                let level = level_for(l, l.mul(over, l.splat(1.0 / field.near)));
+                let end = waves.high.len();
+                let end = waves.high.put_at_level(l, end, high, &ray, t, cell, level);
+                waves.high.truncate(end);
+            }
+        }
     }
 }

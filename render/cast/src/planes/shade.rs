@@ -1,9 +1,11 @@
 //! Colours and depths of a step's hits.
 
 use super::field::{Field, Tiles};
+use super::footprint::{Around, Filters, filters};
 use super::frame::Frame;
 use super::rows::Directions;
 use super::sectors::Sector;
+use super::texture::Mipmapped;
 use super::wave::{self, CAPACITY, Column};
 use crate::lanes::{LANES, Lanes};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
@@ -137,6 +139,11 @@ pub(super) struct Shading {
     on: [u16; CAPACITY / LANES],
     rest: [u16; CAPACITY / LANES],
     sky: [u16; CAPACITY / LANES],
+    /// Where detail is chosen: the pixels' filters, and what the first halves of their footprints
+    /// gave.
+    filters: Filters,
+    first_half: Column<i32>,
+    on_first: [u16; CAPACITY / LANES],
 }
 
 impl Default for Shading {
@@ -149,6 +156,9 @@ impl Default for Shading {
             on: [0; CAPACITY / LANES],
             rest: [0; CAPACITY / LANES],
             sky: [0; CAPACITY / LANES],
+            filters: Filters::default(),
+            first_half: [0; CAPACITY],
+            on_first: [0; CAPACITY / LANES],
         }
     }
 }
@@ -165,6 +175,8 @@ pub(super) struct Chunk<'a> {
     pub(super) reached: &'a [f32],
     pub(super) advance: &'a [f32],
     pub(super) slope: &'a [f32],
+    /// The steps before it, of it, and behind it, where there are such.
+    pub(super) around: [Option<Around<'a>>; 3],
 }
 
 impl Chunk<'_> {
@@ -226,6 +238,9 @@ pub(super) struct Shader<'a> {
     field: &'a Field<'a>,
     /// None where a photo covers all ground.
     tints: Option<Tints<'a>>,
+    /// Where detail is chosen: the photo, and tints.
+    textures: [Option<Mipmapped<'a>>; 2],
+    blur: f32,
     /// Whether the ground is too large for the processor's nearer caches.
     large: bool,
 }
@@ -245,16 +260,27 @@ impl<'a> Shader<'a> {
         } else {
             [spacing.y, spacing.x]
         };
+        let textures = match &frame.detail {
+            Some(detail) => [&detail.photo, &detail.tints].map(|texture| {
+                texture
+                    .as_ref()
+                    .map(|texture| Mipmapped::new(texture, frame, sector, [x, y]))
+            }),
+            None => [None, None],
+        };
         Self {
             sector,
             photo: frame
                 .ground
                 .photo()
+                .filter(|_| frame.detail.is_none())
                 .map(|photo| Mapped::new(photo, frame, [x, y])),
             metres,
             field,
             tints: Tints::new(frame.ground),
-            large: frame.heights.items.len() > 2 * SMALL,
+            textures,
+            blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
+            large: frame.levels[0].heights.items.len() > 2 * SMALL,
         }
     }
 
@@ -376,6 +402,9 @@ impl<'a> Shader<'a> {
                 },
             );
         }
+        for texture in self.textures.iter().flatten() {
+            self.filter(l, chunk, texture, shading, colours);
+        }
         for at in (0..chunk.count).step_by(LANES) {
             let (rest, sky) = (shading.rest[at / LANES], shading.sky[at / LANES]);
             if let Some(ground_tints) = &self.tints
@@ -412,6 +441,105 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Colours the pixels of `shading.rest` from a texture, each by the filter of its footprint,
+    /// and leaves those there that it has no colours for.
+    ///
+    /// A footprint's colour is that of its two halves, in the texture's level of their width. Where
+    /// a tinted pixel covers no more than a post, the tint of its own height is as good.
+    #[inline(always)]
+    fn filter<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        texture: &Mipmapped<'_>,
+        shading: &mut Shading,
+        colours: &mut [i32],
+    ) {
+        let groups = chunk.count.div_ceil(LANES);
+        let is_photo = self.textures[0].as_ref().is_some_and(|photo| std::ptr::eq(photo, texture));
+        l.vectorize(
+            #[inline(always)]
+            || {
+                filters(
+                    l,
+                    texture.frame,
+                    texture.scale,
+                    self.blur,
+                    &chunk.around,
+                    &shading.rest[..groups],
+                    &mut shading.filters,
+                );
+            },
+        );
+        for half in [-1.0_f32, 1.0] {
+            l.vectorize(
+                #[inline(always)]
+                || {
+                    for at in (0..chunk.count).step_by(LANES) {
+                        let group = at / LANES;
+                        let mut rest = shading.rest[group];
+                        if rest == 0 {
+                            continue;
+                        }
+                        let filters = &shading.filters;
+                        let level = l.load_i(wave::group(&filters.level, at));
+                        if !is_photo {
+                            rest &= l.bits(l.gt_i(level, l.splat_i(0)));
+                        }
+                        let reached = l.load(lanes(chunk.reached, at));
+                        let advance = l.load(lanes(chunk.advance, at));
+                        let side = l.splat(half);
+                        let [major, minor] = texture.scale.map(|scale| l.splat(scale));
+                        let major = l.add(
+                            l.mul(reached, major),
+                            l.mul(l.load(wave::group(&filters.major, at)), side),
+                        );
+                        let minor = l.add(
+                            l.mul(l.mul(reached, advance), minor),
+                            l.mul(l.load(wave::group(&filters.minor, at)), side),
+                        );
+                        let located = texture.locate(l, l.mask(rest), [major, minor], level);
+                        l.store_i(located.at, wave::group_mut(&mut shading.at, at));
+                        l.store(located.east, wave::group_mut(&mut shading.east, at));
+                        l.store(located.north, wave::group_mut(&mut shading.north, at));
+                        shading.on[group] = l.bits(located.on);
+                    }
+                },
+            );
+            l.vectorize(
+                #[inline(always)]
+                || {
+                    for at in (0..chunk.count).step_by(LANES) {
+                        let group = at / LANES;
+                        if shading.rest[group] == 0 {
+                            continue;
+                        }
+                        let texels = l.texels(
+                            &texture.frame.tiles.items,
+                            l.load_i(wave::group(&shading.at, at)),
+                            texture.frame.tiles.stride,
+                            l.load(wave::group(&shading.east, at)),
+                            l.load(wave::group(&shading.north, at)),
+                        );
+                        let colours = lanes_mut(colours, at);
+                        if half < 0.0 {
+                            l.store_i(texels, wave::group_mut(&mut shading.first_half, at));
+                            shading.on_first[group] = shading.on[group];
+                            continue;
+                        }
+                        let other = l.load_i(wave::group(&shading.first_half, at));
+                        let whole = |texels| l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
+                        let on = shading.on[group] & shading.on_first[group];
+                        let on = l.and(l.mask(on), l.and(whole(texels), whole(other)));
+                        let mean = l.select_i(on, mean_bytes(l, texels, other), l.load_i(colours));
+                        l.store_i(mean, colours);
+                        shading.rest[group] &= !l.bits(on);
+                    }
+                },
+            );
+        }
+    }
+
     #[inline(always)]
     fn locate<L: Lanes>(&self, l: L, chunk: &Chunk<'_>, shading: &mut Shading, depths: &mut [f32]) {
         let minor_metres = l.splat(self.metres[1] as f32);
@@ -434,7 +562,7 @@ impl<'a> Shader<'a> {
             shading.sky[group] = mask & !hits;
             shading.rest[group] = hits;
             shading.on[group] = 0;
-            if self.large && hits != 0 {
+            if self.large && hits != 0 && self.blur.is_finite() && self.textures[0].is_none() {
                 self.prefetch(l, chunk, at, hit, reached, advance);
             }
             if let Some(photo) = &self.photo
@@ -456,6 +584,16 @@ impl<'a> Shader<'a> {
             }
         }
     }
+}
+
+/// The mean of each byte of two, rounded up.
+#[inline(always)]
+fn mean_bytes<L: Lanes>(l: L, a: L::I, b: L::I) -> L::I {
+    let both = l.and_i(a, b);
+    let any = l.sub_i(l.add_i(a, b), both);
+    let one_only = l.sub_i(any, both);
+    let half = l.and_i(l.shr_i(one_only, l.splat_i(1)), l.splat_i(0x7f7f_7f7f));
+    l.sub_i(any, half)
 }
 
 /// Blends a cell's corners (south-west, south-east, north-west, north-east) at a place in it.

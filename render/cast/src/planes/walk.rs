@@ -1,6 +1,7 @@
 //! Cell by cell: the exact meeting of rays with the ground's bilinear surface.
 
 use super::climb::level_for;
+use super::coarser::Coarser;
 use super::field::Field;
 use super::wave::{CAPACITY, Column, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
@@ -41,8 +42,8 @@ fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4
 }
 
 /// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
-/// `reached`; those that leave the ground are dropped; those that end more than `near` metres over
-/// it go to `high`.
+/// `reached`; those that leave the ground are dropped; those that end far over it go to `high`,
+/// and those that are too far for this resolution to `coarser`.
 ///
 /// Two loops, as each has so little between one group's begin and end that the processor works on
 /// several groups at once.
@@ -54,7 +55,7 @@ pub(super) fn walk<L: Lanes>(
     high: &mut Wave,
     passage: &mut Passage,
     reached: &mut [f32],
-    near: f32,
+    coarser: Option<Coarser<'_>>,
 ) {
     l.vectorize(
         #[inline(always)]
@@ -72,7 +73,7 @@ pub(super) fn walk<L: Lanes>(
     );
     l.vectorize(
         #[inline(always)]
-        || pass(l, field, wave, high, passage, reached, near),
+        || pass(l, field, wave, high, passage, reached, coarser),
     );
 }
 
@@ -84,7 +85,7 @@ fn pass<L: Lanes>(
     high: &mut Wave,
     passage: &Passage,
     reached: &mut [f32],
-    near: f32,
+    mut coarser: Option<Coarser<'_>>,
 ) {
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
     let one_cell = l.splat_i(1);
@@ -92,8 +93,9 @@ fn pass<L: Lanes>(
     let minor_line = l.splat(1.0 - field.minor.fraction);
     let eye = l.splat(field.eye_height);
     let eye_rest = l.splat(field.eye_rest);
-    let near_limit = l.splat(near);
-    let inverse_near = l.splat(1.0 / near);
+    let near_limit = l.splat(field.near);
+    let inverse_near = l.splat(1.0 / field.near);
+    let scale = l.splat(field.scale);
     let rays = wave.len();
     let (mut kept, mut risen) = (0, high.len());
     for at in (0..rays).step_by(LANES) {
@@ -156,10 +158,20 @@ fn pass<L: Lanes>(
             l.lt(twice, divisor),
         );
         let below = l.or(l.le(next_clearance, zero), l.le(clearance, zero));
-        let hit = l.and(mask, l.or(below, dips));
+        let mut hit = l.and(mask, l.or(below, dips));
         let share = l.min(l.div(twice, l.max(divisor, l.splat(1e-30))), one);
         let hit_t = l.add(t, l.mul(share, length));
-        l.scatter(hit, ray.id, hit_t, reached);
+        if let Some(coarser) = &mut coarser {
+            let ends = l.and_not(mask, l.lt(next, ray.leave));
+            if l.bits(ends) != 0 {
+                // The last cell of a coarse level may reach out over the ground's border.
+                let leave = field.leave(l, ray.inverse, ray.slope);
+                hit = l.and_not(hit, l.and(ends, l.lt(leave, hit_t)));
+                let passes = l.and_not(l.and(ends, l.lt(next, leave)), hit);
+                coarser.take(l, passes, &ray, next, leave, None);
+            }
+        }
+        l.scatter(hit, ray.id, l.mul(hit_t, scale), reached);
         let going = l.and_not(l.and(mask, l.lt(next, ray.leave)), hit);
         let major = l.add_i_where(crosses_major, major, one_cell);
         let minor = l.add_i_where(l.and_not(going, crosses_major), minor, one_cell);

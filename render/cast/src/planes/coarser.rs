@@ -1,0 +1,60 @@
+//! From one resolution of the ground to the next.
+
+use super::field::Field;
+use super::wave::{Ray, Wave};
+use crate::lanes::Lanes;
+
+/// Where rays go that are too far for the resolution that they are in.
+pub(super) struct Coarser<'a> {
+    /// The ground at half the resolution, and the rays on their way over it: near it, and high.
+    pub(super) field: &'a Field<'a>,
+    pub(super) low: &'a mut Wave,
+    pub(super) high: &'a mut Wave,
+    /// Whether there is a coarser resolution still.
+    pub(super) is_last: bool,
+}
+
+impl Coarser<'_> {
+    /// Takes over the rays of `mask`, which have come to `t` and leave the ground at `leave`. Those
+    /// that skipped blocks of `level` go on so.
+    #[inline(always)]
+    pub(super) fn take<L: Lanes>(
+        &mut self,
+        l: L,
+        mask: L::M,
+        ray: &Ray<L>,
+        t: L::F,
+        leave: L::F,
+        level: Option<L::I>,
+    ) {
+        if l.bits(mask) == 0 {
+            return;
+        }
+        let half = l.splat(0.5);
+        let t = l.mul(t, half);
+        let leave = l.mul(leave, half);
+        // Rays that pass have come to where their resolution ends: in cells, each one's ends as far
+        // away as the one's before.
+        let leave = if self.is_last {
+            leave
+        } else {
+            l.min(leave, ray.leave)
+        };
+        let ray = Ray {
+            slope: l.add(ray.slope, ray.slope),
+            leave,
+            ..*ray
+        };
+        let cell = self.field.cell_at(l, t, ray.advance);
+        if let Some(level) = level {
+            let level = l.max_i(l.sub_i(level, l.splat_i(1)), l.splat_i(1));
+            let end = self.high.len();
+            let end = self.high.put_at_level(l, end, mask, &ray, t, cell, level);
+            self.high.truncate(end);
+        } else {
+            let end = self.low.len();
+            let end = self.low.put(l, end, mask, &ray, t, cell);
+            self.low.truncate(end);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Level of detail: which resolutions of ground and colours there are, and which a ray takes.
+
+use super::field::Tiles;
+use super::frame::Level;
+use super::maxima::Maxima;
+use crate::CastError;
+use crate::options::{CasterOption, Options};
+use rayon::prelude::*;
+use sandtable_terrain::{
+    Ground, HeightPyramid, Mipmap, Photo, TileIndex, TiledRaster, hypsometric,
+};
+
+/// How detail is chosen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DetailOptions {
+    /// How many pixels' widths a cell has where a coarser resolution of heights begins, at least.
+    cell: f64,
+    /// How many pixels of a photo's resolution a pixel's footprint has where a coarser one begins.
+    blur: f64,
+}
+
+impl DetailOptions {
+    pub(super) const LOD: CasterOption = CasterOption {
+        name: "lod",
+        meaning: "level of detail: off (each pixel one point of the finest data), or on (heights \
+                  and colours at the resolution of the pixel's footprint); default off",
+    };
+    pub(super) const CELL: CasterOption = CasterOption {
+        name: "cell",
+        meaning: "with lod: pixels to a cell of heights, from 0.25 (finer) to 8 (faster); default 1",
+    };
+    pub(super) const BLUR: CasterOption = CasterOption {
+        name: "blur",
+        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper) to 4 \
+                  (calmer); default 1",
+    };
+
+    pub(super) fn read(options: &Options<'_>) -> Result<Option<Self>, CastError> {
+        let on = options.choice("lod", &[("off", false), ("on", true)])?;
+        let read = Self {
+            cell: options.number("cell", 0.25..=8.0)?.unwrap_or(1.0),
+            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.0),
+        };
+        Ok(on.then_some(read))
+    }
+}
+
+/// Ground and colours at all resolutions.
+pub(super) struct Detail {
+    options: DetailOptions,
+    heights: HeightPyramid,
+    /// Of the levels of `heights` behind the first.
+    maxima: Vec<Maxima>,
+    photo: Option<Texture>,
+    /// Tints in shaded relief, a pixel a post, where the photo does not cover all ground.
+    tints: Option<Texture>,
+}
+
+/// The tint in shaded relief at a post, where a photo does not cover all ground.
+fn tint_of(ground: &Ground) -> Option<impl Fn(u32, u32) -> [u8; 4] + Sync> {
+    let light = ground.light()?;
+    let [low, high] = ground.range();
+    let per_metre = if high > low { 1.0 / (high - low) } else { 0.0 };
+    Some(move |col, row| {
+        let share = (ground.heights().post(col, row) - low) * per_metre;
+        let [r, g, b] = hypsometric(share, f32::from(light.post(col, row)) / 256.0);
+        [r, g, b, 255]
+    })
+}
+
+/// Colours at all resolutions, and where the finest one's pixels lie: as [`Photo`] has it, in cells.
+#[derive(Clone)]
+struct Texture {
+    mipmap: Mipmap,
+    origin: [f64; 2],
+    spacing: [f64; 2],
+}
+
+impl Texture {
+    fn of_photo(photo: &Photo, ground: &Ground) -> Self {
+        let cell = ground.grid().spacing;
+        Self {
+            mipmap: Mipmap::new(&photo.pixels),
+            origin: (photo.origin / cell).to_array(),
+            spacing: (photo.spacing / cell).to_array(),
+        }
+    }
+
+    fn of_tints(image: &TiledRaster<[u8; 4]>) -> Self {
+        Self {
+            mipmap: Mipmap::new(image),
+            origin: [0.0; 2],
+            spacing: [1.0; 2],
+        }
+    }
+}
+
+impl Detail {
+    pub(super) fn new(options: DetailOptions, ground: &Ground) -> Self {
+        let heights = HeightPyramid::new(ground.heights());
+        let maxima = heights.levels()[1..].par_iter();
+        Self {
+            options,
+            maxima: maxima
+                .map(|heights| Maxima::new(heights, ground.range()))
+                .collect(),
+            heights,
+            photo: ground
+                .photo()
+                .map(|photo| Texture::of_photo(photo, ground)),
+            tints: tint_of(ground).map(|tint| {
+                let grid = ground.grid();
+                Texture::of_tints(&TiledRaster::from_fn(grid.cols, grid.rows, tint))
+            }),
+        }
+    }
+
+    /// After an edit of `before` that made `ground` of it, in the tiles `changed`.
+    pub(super) fn updated(&self, before: &Ground, ground: &Ground, changed: &[TileIndex]) -> Self {
+        let same_photo = match (before.photo(), ground.photo()) {
+            (Some(before), Some(photo)) => {
+                before.pixels.is_same(&photo.pixels)
+                    && (before.origin, before.spacing) == (photo.origin, photo.spacing)
+            }
+            (before, photo) => before.is_none() && photo.is_none(),
+        };
+        // A wider range of heights gives all heights other tints.
+        let same_tints = before.range() == ground.range()
+            && before.light().is_some() == ground.light().is_some();
+        if before.grid() != ground.grid() || !same_photo || !same_tints {
+            return Self::new(self.options, ground);
+        }
+        let (heights, reached) = self.heights.updated(ground.heights(), changed);
+        let levels = self.maxima.iter().zip(&heights.levels()[1..]);
+        Self {
+            options: self.options,
+            maxima: levels
+                .zip(&reached[1..])
+                .map(|((old, heights), tiles)| old.updated(heights, ground.range(), tiles))
+                .collect(),
+            heights,
+            photo: self.photo.clone(),
+            tints: self.tints.as_ref().map(|old| {
+                let image = match tint_of(ground) {
+                    Some(tint) => old.mipmap.levels()[0].with_tiles_renewed(changed, tint),
+                    None => old.mipmap.levels()[0].clone(),
+                };
+                Texture {
+                    mipmap: old.mipmap.updated(&image, changed),
+                    ..*old
+                }
+            }),
+        }
+    }
+
+    /// The ground's coarser levels.
+    pub(super) fn coarser(&self) -> impl Iterator<Item = Level<'_>> {
+        let levels = self.heights.levels()[1..].iter().zip(&self.maxima);
+        levels.map(|(heights, maxima)| Level::new(heights, maxima))
+    }
+
+    pub(super) fn frame(&self) -> DetailFrame<'_> {
+        DetailFrame {
+            cell: self.options.cell as f32,
+            blur: self.options.blur as f32,
+            photo: self.photo.as_ref().map(TextureFrame::new),
+            tints: self.tints.as_ref().map(TextureFrame::new),
+        }
+    }
+}
+
+/// What one view needs of it.
+pub(super) struct DetailFrame<'a> {
+    /// Pixels to a cell of heights, at least.
+    pub(super) cell: f32,
+    /// The width of the filter of colours in pixels.
+    pub(super) blur: f32,
+    pub(super) photo: Option<TextureFrame<'a>>,
+    pub(super) tints: Option<TextureFrame<'a>>,
+}
+
+/// Colours at all resolutions, as sixteen lanes read them.
+pub(super) struct TextureFrame<'a> {
+    pub(super) tiles: Tiles<'a, [u8; 4]>,
+    /// For each level the number of its first tile, and its tiles from west to east.
+    pub(super) first_tiles: Vec<u32>,
+    pub(super) tiles_across: Vec<u32>,
+    /// The finest level's size in pixels, and where it lies, in cells.
+    pub(super) size: [u32; 2],
+    pub(super) origin: [f64; 2],
+    pub(super) spacing: [f64; 2],
+}
+
+impl<'a> TextureFrame<'a> {
+    fn new(texture: &'a Texture) -> Self {
+        let levels = texture.mipmap.levels();
+        let first_tiles = levels.iter().scan(0, |tiles, level| {
+            let first = *tiles;
+            *tiles += level.tile_indices().len() as u32;
+            Some(first)
+        });
+        Self {
+            tiles: Tiles::new(
+                texture.mipmap.view(),
+                levels[0].tiles_across(),
+                levels[0].tile_stride(),
+            ),
+            first_tiles: first_tiles.collect(),
+            tiles_across: levels.iter().map(TiledRaster::tiles_across).collect(),
+            size: [levels[0].cols(), levels[0].rows()],
+            origin: texture.origin,
+            spacing: texture.spacing,
+        }
+    }
+}
