@@ -6,7 +6,8 @@ use crate::lanes::{LANES, Lanes};
 
 /// The rays of one step around a chunk, from the lane before the chunk's first on.
 pub(super) struct Around<'a> {
-    /// The step's first lane and the one behind its last, counted from the chunk's first.
+    /// The step's first lane and the one behind its last, counted from the chunk's first; the same
+    /// where there is no such step.
     pub(super) lanes: [i32; 2],
     /// As [`Chunk`](super::shade::Chunk) has them.
     pub(super) reached: &'a [f32],
@@ -65,28 +66,38 @@ impl Default for Filters {
     }
 }
 
-/// A pixel's extent along one direction in the image: the smaller one of the ways to its two
-/// neighbours, so that what lies behind a ridge does not count; nothing where neither is ground.
+/// A pixel's extent along one direction in the image, and its square.
+struct Extent<L: Lanes> {
+    major: L::F,
+    minor: L::F,
+    square: L::F,
+}
+
+/// The smaller one of the ways to a pixel's two neighbours, so that what lies behind a ridge does
+/// not count; nothing where neither is ground.
 #[inline(always)]
-fn extent<L: Lanes>(l: L, here: &Places<L>, there: [Option<Places<L>>; 2]) -> [L::F; 3] {
-    let far = l.splat(f32::MAX);
-    let mut least = [l.splat(0.0), l.splat(0.0), far];
-    for (place, sign) in there.into_iter().zip([-1.0, 1.0]) {
-        let Some(place) = place else { continue };
-        let sign = l.splat(sign);
-        let major = l.mul(l.sub(place.major, here.major), sign);
-        let minor = l.mul(l.sub(place.minor, here.minor), sign);
-        let square = l.add(l.mul(major, major), l.mul(minor, minor));
-        let closer = l.and(place.are, l.lt(square, least[2]));
-        least = [
-            l.select(closer, major, least[0]),
-            l.select(closer, minor, least[1]),
-            l.select(closer, square, least[2]),
-        ];
+fn extent<L: Lanes>(
+    l: L,
+    here: &Places<L>,
+    before: &Places<L>,
+    behind: &Places<L>,
+) -> Extent<L> {
+    let (none, far) = (l.splat(0.0), l.splat(f32::MAX));
+    let back_major = l.sub(here.major, before.major);
+    let back_minor = l.sub(here.minor, before.minor);
+    let back = l.add(l.mul(back_major, back_major), l.mul(back_minor, back_minor));
+    let back = l.select(before.are, back, far);
+    let on_major = l.sub(behind.major, here.major);
+    let on_minor = l.sub(behind.minor, here.minor);
+    let on = l.add(l.mul(on_major, on_major), l.mul(on_minor, on_minor));
+    let on = l.select(behind.are, on, far);
+    let closer = l.lt(on, back);
+    let any = l.or(before.are, behind.are);
+    Extent {
+        major: l.select(any, l.select(closer, on_major, back_major), none),
+        minor: l.select(any, l.select(closer, on_minor, back_minor), none),
+        square: l.select(any, l.select(closer, on, back), none),
     }
-    let none = l.le(far, least[2]);
-    least[2] = l.select(none, l.splat(0.0), least[2]);
-    least
 }
 
 /// Half of the way between the middles of a footprint's halves, as a part of its length.
@@ -105,11 +116,10 @@ pub(super) fn filters<L: Lanes>(
     texture: &TextureFrame<'_>,
     scale: [f32; 2],
     blur: f32,
-    around: &[Option<Around<'_>>; 3],
+    [before, this, behind]: &[Around<'_>; 3],
     wanted: &[u16],
     filters: &mut Filters,
 ) {
-    let Some(this) = &around[1] else { return };
     let coarsest = l.splat_i(texture.first_tiles.len() as i32 - 1);
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
     for (group, &wanted) in wanted.iter().enumerate() {
@@ -118,18 +128,26 @@ pub(super) fn filters<L: Lanes>(
         }
         let at = group * LANES;
         let here = this.places(l, at, 0, scale);
-        let beside = [-1, 1].map(|aside| Some(this.places(l, at, aside, scale)));
-        let along = [&around[0], &around[2]]
-            .map(|step| step.as_ref().map(|step| step.places(l, at, 0, scale)));
-        let u = extent(l, &here, beside);
-        let v = extent(l, &here, along);
-        let longer = l.lt(u[2], v[2]);
-        let major = l.select(longer, v[0], u[0]);
-        let minor = l.select(longer, v[1], u[1]);
-        let length = l.sqrt(l.select(longer, v[2], u[2]));
-        let area = l.abs(l.sub(l.mul(u[0], v[1]), l.mul(u[1], v[0])));
+        let u = extent(
+            l,
+            &here,
+            &this.places(l, at, -1, scale),
+            &this.places(l, at, 1, scale),
+        );
+        let v = extent(
+            l,
+            &here,
+            &before.places(l, at, 0, scale),
+            &behind.places(l, at, 0, scale),
+        );
+        let longer = l.lt(u.square, v.square);
+        let major = l.select(longer, v.major, u.major);
+        let minor = l.select(longer, v.minor, u.minor);
+        let length = l.sqrt(l.select(longer, v.square, u.square));
+        let area = l.abs(l.sub(l.mul(u.major, v.minor), l.mul(u.minor, v.major)));
         let width = l.div(area, l.max(length, l.splat(1e-6)));
-        let is_long = l.lt(l.mul(width, l.splat(LONG)), length);
+        // Where a footprint is smaller than a pixel, one place is as good as two.
+        let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
         let reach = l.select(is_long, l.mul(length, l.splat(0.4)), l.mul(length, l.splat(0.8)));
         let wide = l.mul(l.max(width, reach), l.splat(blur));
         let level = l.min_i(l.exponent(l.max(wide, one)), coarsest);

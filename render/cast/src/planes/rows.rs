@@ -335,20 +335,21 @@ impl<'a, L: Lanes> March<'a, L> {
                 let count = (lanes[1] - first).min(CHUNK as i32) as usize;
                 let at = self.slot(step) + MARGIN + first as usize;
                 let numbers = at..at + count.next_multiple_of(LANES);
-                let around = |step: u32| {
+                let around = |there: bool, step: u32| {
                     let from = self.slot(step) + MARGIN + first as usize - 1;
                     let numbers = from..from + count.next_multiple_of(LANES) + 2;
+                    let lanes = if there { scratch.lanes[step as usize % MEMORY] } else { [first; 2] };
                     Around {
-                        lanes: scratch.lanes[step as usize % MEMORY].map(|lane| lane - first),
+                        lanes: lanes.map(|lane| lane - first),
                         reached: &scratch.reached[numbers.clone()],
                         advance: &scratch.advance[numbers],
                     }
                 };
                 let chunk = Chunk {
                     around: [
-                        (step > 0).then(|| around(step - 1)),
-                        Some(around(step)),
-                        (step + 1 < self.sector.steps).then(|| around(step + 1)),
+                        around(step > 0, step.wrapping_sub(1)),
+                        around(true, step),
+                        around(step + 1 < self.sector.steps, step + 1),
                     ],
                     step,
                     first,
@@ -521,10 +522,11 @@ impl<'a, L: Lanes> March<'a, L> {
                 id: l.add_i(lane_numbers, l.splat_i(at as i32)),
             };
             // How many cells a pixel covers across its ray, for each 1 of t.
-            let width = across.map(|across| {
+            let mut width = None;
+            if let Some(across) = across {
                 let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
-                l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned)
-            });
+                width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
+            }
             let mut fresh = ok;
             if let Some(before) = self.predecessor(step, towards, first, first + count - 1) {
                 let before_step = step - before.steps as u32;

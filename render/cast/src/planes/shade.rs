@@ -175,8 +175,8 @@ pub(super) struct Chunk<'a> {
     pub(super) reached: &'a [f32],
     pub(super) advance: &'a [f32],
     pub(super) slope: &'a [f32],
-    /// The steps before it, of it, and behind it, where there are such.
-    pub(super) around: [Option<Around<'a>>; 3],
+    /// The step before, its own, and the one behind.
+    pub(super) around: [Around<'a>; 3],
 }
 
 impl Chunk<'_> {
@@ -489,7 +489,8 @@ impl<'a> Shader<'a> {
                         let reached = l.load(lanes(chunk.reached, at));
                         let advance = l.load(lanes(chunk.advance, at));
                         let side = l.splat(half);
-                        let [major, minor] = texture.scale.map(|scale| l.splat(scale));
+                        let [major, minor] = texture.scale;
+                        let (major, minor) = (l.splat(major), l.splat(minor));
                         let major = l.add(
                             l.mul(reached, major),
                             l.mul(l.load(wave::group(&filters.major, at)), side),
@@ -528,9 +529,10 @@ impl<'a> Shader<'a> {
                             continue;
                         }
                         let other = l.load_i(wave::group(&shading.first_half, at));
-                        let whole = |texels| l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
+                        // Both are whole where the bytes of coverage that both have are.
+                        let coverage = l.shr_i(l.and_i(texels, other), l.splat_i(24));
                         let on = shading.on[group] & shading.on_first[group];
-                        let on = l.and(l.mask(on), l.and(whole(texels), whole(other)));
+                        let on = l.and(l.mask(on), l.eq_i(coverage, l.splat_i(-1)));
                         let mean = l.select_i(on, mean_bytes(l, texels, other), l.load_i(colours));
                         l.store_i(mean, colours);
                         shading.rest[group] &= !l.bits(on);
