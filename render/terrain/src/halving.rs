@@ -45,6 +45,11 @@ fn means(finer: &TiledRaster<f32>) -> impl Fn(u32, u32, &mut [f32]) {
 
 /// Heights at all resolutions: level 0 is the ground's own, and each further one has half the
 /// posts a side.
+///
+/// Post i of a level stands at post 2 i of the finer one, and is the mean of the posts around it by
+/// [−1 2 6 2 −1] / 8 along each axis: the filter that belongs to linear interpolation between posts
+/// (LeGall and Tabatabai 1988), under which ridges stay as high as a level can have them. No post
+/// is higher or lower than all ground.
 #[derive(Clone, Debug)]
 pub struct HeightPyramid {
     levels: Vec<TiledRaster<f32>>,
@@ -54,31 +59,38 @@ pub struct HeightPyramid {
 const COARSEST: u32 = 16;
 
 impl HeightPyramid {
-    /// Builds all levels over `heights`, whose tiles it shares.
+    /// Builds all levels over `heights`, which lie in `range` (metres), and whose tiles it shares.
     #[must_use]
-    pub fn new(heights: &TiledRaster<f32>) -> Self {
+    pub fn new(heights: &TiledRaster<f32>, range: [f32; 2]) -> Self {
         let mut levels = vec![heights.clone()];
         while let Some(finer) = levels.last()
             && finer.cols().max(finer.rows()) > COARSEST + 1
         {
-            levels.push(halved(finer));
+            let (cols, rows) = (half(finer.cols()), half(finer.rows()));
+            let coarser = TiledRaster::from_rows(cols, rows, sharp_means(finer, range));
+            levels.push(coarser);
         }
         Self { levels }
     }
 
     /// The pyramid after an edit that changed the tiles `changed` of the finest level, and for each
-    /// level the tiles that may differ. The others are shared with `self`.
+    /// level the tiles that may differ. The others are shared with `self`; `range` holds the
+    /// heights of before and after.
     #[must_use]
     pub fn updated(
         &self,
         heights: &TiledRaster<f32>,
+        range: [f32; 2],
         changed: &[TileIndex],
     ) -> (Self, Vec<Vec<TileIndex>>) {
         let mut levels = vec![heights.clone()];
         let mut reached = vec![changed.to_vec()];
-        for (finer, old) in self.levels[1..].iter().enumerate() {
-            reached.push(reach::coarser(&reached[finer], old.cols(), old.rows()));
-            levels.push(halved_renewed(&levels[finer], old, &reached[finer + 1]));
+        for (number, old) in self.levels[1..].iter().enumerate() {
+            let finer = &levels[number];
+            let tiles = reach::coarser(&reached[number], old.cols(), old.rows());
+            let level = old.with_rows_renewed(&tiles, sharp_means(finer, range));
+            reached.push(tiles);
+            levels.push(level);
         }
         (Self { levels }, reached)
     }
@@ -90,6 +102,29 @@ impl HeightPyramid {
     }
 }
 
+/// Fills rows of the coarser level of a [`HeightPyramid`].
+fn sharp_means(finer: &TiledRaster<f32>, [low, high]: [f32; 2]) -> impl Fn(u32, u32, &mut [f32]) {
+    const LENGTH: usize = 2 * TILE_CELLS as usize + 5;
+    const WEIGHTS: [f64; 5] = [-0.125, 0.25, 0.75, 0.25, -0.125];
+    move |row, col, into| {
+        let mut sum = [0.0; LENGTH];
+        let mut posts = [0.0; LENGTH];
+        let count = 2 * into.len() + 3;
+        for (row, weight) in (2 * i64::from(row) - 2..).zip(WEIGHTS) {
+            let posts = &mut posts[..count];
+            finer.copy_row(2 * i64::from(col) - 2, row, posts);
+            for (sum, &post) in sum.iter_mut().zip(&*posts) {
+                *sum += weight * f64::from(post);
+            }
+        }
+        for (to, around) in into.iter_mut().zip(sum.windows(5).step_by(2)) {
+            let outer = (around[0] + around[4]) * WEIGHTS[0];
+            let inner = (around[1] + around[3]) * WEIGHTS[1];
+            *to = ((around[2] * WEIGHTS[2] + inner + outer) as f32).clamp(low, high);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,16 +132,16 @@ mod tests {
     #[test]
     fn planes_stay_planes_inside_and_an_edit_is_followed() {
         let plane = TiledRaster::from_fn(1100, 900, |col, row| (3 * col + 5 * row) as f32);
-        let pyramid = HeightPyramid::new(&plane);
+        let pyramid = HeightPyramid::new(&plane, [0.0, 1e4]);
         for (level, heights) in pyramid.levels().iter().enumerate() {
             let (x, y) = (heights.cols() / 2, heights.rows() / 2);
             assert_eq!(heights.post(x, y), ((3 * x + 5 * y) << level) as f32);
         }
         assert_eq!(pyramid.levels().last().map(TiledRaster::cols), Some(10));
         let (edited, changed) = plane.edited(250..260, 500..520, |_, _, height| height + 70.0);
-        let (updated, reached) = pyramid.updated(&edited, &changed);
+        let (updated, reached) = pyramid.updated(&edited, [0.0, 1e4], &changed);
         assert!(reached.len() == updated.levels().len() && reached[1].len() == 4);
-        let anew = HeightPyramid::new(&edited);
+        let anew = HeightPyramid::new(&edited, [0.0, 1e4]);
         for (a, b) in updated.levels().iter().zip(anew.levels()) {
             for tile in a.tile_indices() {
                 assert_eq!(a.tile_posts(tile), b.tile_posts(tile));

@@ -21,9 +21,9 @@ pub(crate) fn with_neighbours(changed: &[TileIndex], cols: u32, rows: u32) -> Ve
 }
 
 /// The tiles of a raster of `cols` by `rows` posts that depend on changed tiles of the raster of
-/// twice its density, where post i depends on posts 2i − 1 to 2i + 1.
+/// twice its density, where post i depends on posts 2i − 2 to 2i + 3 at most.
 pub(crate) fn coarser(changed: &[TileIndex], cols: u32, rows: u32) -> Vec<TileIndex> {
-    // Tile k has posts 256 k to 256 k + 256, so it depends on posts 512 k − 1 to 512 k + 513,
+    // Tile k has posts 256 k to 256 k + 256, so it depends on posts 512 k − 2 to 512 k + 515,
     // which are in tiles 2 k − 1 to 2 k + 2.
     let depends = |coarse: u32, fine: u32| (2 * coarse..=2 * coarse + 3).contains(&(fine + 1));
     tiles_where(cols, rows, |tile| {

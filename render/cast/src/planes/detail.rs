@@ -2,7 +2,7 @@
 
 use super::field::Tiles;
 use super::frame::Level;
-use super::maxima::Maxima;
+use super::maxima::{Maxima, Steepness};
 use crate::CastError;
 use crate::options::{CasterOption, Options};
 use rayon::prelude::*;
@@ -13,9 +13,9 @@ use sandtable_terrain::{
 /// How detail is chosen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DetailOptions {
-    /// How many pixels' widths a cell has where a coarser resolution of heights begins, at least.
+    /// How many pixels a cell of heights is wide at most, where a coarser one would do.
     cell: f64,
-    /// How many pixels of a photo's resolution a pixel's footprint has where a coarser one begins.
+    /// The width of the filter of colours in pixels.
     blur: f64,
 }
 
@@ -27,19 +27,20 @@ impl DetailOptions {
     };
     pub(super) const CELL: CasterOption = CasterOption {
         name: "cell",
-        meaning: "with lod: pixels to a cell of heights, from 0.25 (finer) to 8 (faster); default 1",
+        meaning: "with lod: pixels to a cell of heights at most, from 0.25 (finer) to 8 (faster); \
+                  default 2",
     };
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
         meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper) to 4 \
-                  (calmer); default 1",
+                  (calmer); default 1.25",
     };
 
     pub(super) fn read(options: &Options<'_>) -> Result<Option<Self>, CastError> {
         let on = options.choice("lod", &[("off", false), ("on", true)])?;
         let read = Self {
-            cell: options.number("cell", 0.25..=8.0)?.unwrap_or(1.0),
-            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.0),
+            cell: options.number("cell", 0.25..=8.0)?.unwrap_or(2.0),
+            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.25),
         };
         Ok(on.then_some(read))
     }
@@ -50,7 +51,7 @@ pub(super) struct Detail {
     options: DetailOptions,
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
-    maxima: Vec<Maxima>,
+    bounds: Vec<(Maxima, Steepness)>,
     photo: Option<Texture>,
     /// Tints in shaded relief, a pixel a post, where the photo does not cover all ground.
     tints: Option<Texture>,
@@ -97,12 +98,15 @@ impl Texture {
 
 impl Detail {
     pub(super) fn new(options: DetailOptions, ground: &Ground) -> Self {
-        let heights = HeightPyramid::new(ground.heights());
-        let maxima = heights.levels()[1..].par_iter();
+        let heights = HeightPyramid::new(ground.heights(), ground.range());
+        let coarser = heights.levels()[1..].par_iter();
         Self {
             options,
-            maxima: maxima
-                .map(|heights| Maxima::new(heights, ground.range()))
+            bounds: coarser
+                .map(|heights| {
+                    let maxima = Maxima::new(heights, ground.range());
+                    (maxima, Steepness::new(heights))
+                })
                 .collect(),
             heights,
             photo: ground
@@ -130,13 +134,16 @@ impl Detail {
         if before.grid() != ground.grid() || !same_photo || !same_tints {
             return Self::new(self.options, ground);
         }
-        let (heights, reached) = self.heights.updated(ground.heights(), changed);
-        let levels = self.maxima.iter().zip(&heights.levels()[1..]);
+        let (heights, reached) = self.heights.updated(ground.heights(), ground.range(), changed);
+        let levels = self.bounds.iter().zip(&heights.levels()[1..]);
         Self {
             options: self.options,
-            maxima: levels
+            bounds: levels
                 .zip(&reached[1..])
-                .map(|((old, heights), tiles)| old.updated(heights, ground.range(), tiles))
+                .map(|(((maxima, steepness), heights), tiles)| {
+                    let maxima = maxima.updated(heights, ground.range(), tiles);
+                    (maxima, steepness.updated(heights, tiles))
+                })
                 .collect(),
             heights,
             photo: self.photo.clone(),
@@ -155,8 +162,8 @@ impl Detail {
 
     /// The ground's coarser levels.
     pub(super) fn coarser(&self) -> impl Iterator<Item = Level<'_>> {
-        let levels = self.heights.levels()[1..].iter().zip(&self.maxima);
-        levels.map(|(heights, maxima)| Level::new(heights, maxima))
+        let levels = self.heights.levels()[1..].iter().zip(&self.bounds);
+        levels.map(|(heights, (maxima, steepness))| Level::new(heights, maxima, steepness))
     }
 
     pub(super) fn frame(&self) -> DetailFrame<'_> {
@@ -171,7 +178,7 @@ impl Detail {
 
 /// What one view needs of it.
 pub(super) struct DetailFrame<'a> {
-    /// Pixels to a cell of heights, at least.
+    /// Pixels to a cell of heights, at most.
     pub(super) cell: f32,
     /// The width of the filter of colours in pixels.
     pub(super) blur: f32,

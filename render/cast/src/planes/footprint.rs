@@ -151,7 +151,9 @@ pub(super) fn filters<L: Lanes>(
         let reach = l.select(is_long, l.mul(length, l.splat(0.4)), l.mul(length, l.splat(0.8)));
         let wide = l.mul(l.max(width, reach), l.splat(blur));
         let level = l.min_i(l.exponent(l.max(wide, one)), coarsest);
-        let apart = l.select(is_long, l.splat(APART), zero);
+        // No further than the footprint is wide: beyond a ridge there are other colours.
+        let most = l.div(l.max(width, one), length);
+        let apart = l.select(is_long, l.min(l.splat(APART), most), zero);
         l.store(l.mul(major, apart), wave::group_mut(&mut filters.major, at));
         l.store(l.mul(minor, apart), wave::group_mut(&mut filters.minor, at));
         l.store_i(level, wave::group_mut(&mut filters.level, at));

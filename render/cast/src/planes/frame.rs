@@ -2,7 +2,7 @@
 
 use super::detail::DetailFrame;
 use super::field::Tiles;
-use super::maxima::Maxima;
+use super::maxima::{Maxima, Steepness};
 use super::sectors::{ImageRays, Sector};
 use crate::intersect::GridFrame;
 use crate::lanes::Isa;
@@ -16,11 +16,18 @@ pub(super) struct Level<'a> {
     pub(super) maxima: Tiles<'a, u16>,
     /// Cells along x and y.
     pub(super) cells: [i32; 2],
+    /// How steep it is at most along x and y: metres for each of its cells.
+    pub(super) steepest: [f32; 2],
 }
 
 impl<'a> Level<'a> {
-    pub(super) fn new(heights: &'a TiledRaster<f32>, maxima: &'a Maxima) -> Self {
+    pub(super) fn new(
+        heights: &'a TiledRaster<f32>,
+        maxima: &'a Maxima,
+        steepness: &Steepness,
+    ) -> Self {
         Self {
+            steepest: steepness.steepest(),
             heights: Tiles::new(
                 heights.view(),
                 heights.tiles_across(),
@@ -50,7 +57,6 @@ pub(super) struct Frame<'a> {
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.
     pub(super) alone: Option<GridFrame<'a>>,
-    pub(super) steepest: [f32; 2],
     pub(super) code_base: f32,
     pub(super) code_step: f32,
     /// Metres over the ground from which on blocks of cells are skipped.

@@ -1,7 +1,7 @@
 //! The highest ground in blocks of cells: the pyramid that rays descend.
 
 use rayon::prelude::*;
-use sandtable_terrain::{Ground, Slab, SlabView, Slot, TILE_CELLS, TileIndex, TiledRaster};
+use sandtable_terrain::{Slab, SlabView, Slot, TILE_CELLS, TileIndex, TiledRaster};
 use std::sync::Arc;
 
 /// The coarsest level: one block a tile.
@@ -147,25 +147,25 @@ pub(super) struct Steepness {
 }
 
 impl Steepness {
-    /// Of all tiles of `ground`, in parallel.
-    pub(super) fn new(ground: &Ground) -> Self {
-        let indices: Vec<_> = ground.heights().tile_indices().collect();
+    /// Of all tiles of `heights`, in parallel.
+    pub(super) fn new(heights: &TiledRaster<f32>) -> Self {
+        let indices: Vec<_> = heights.tile_indices().collect();
         Self {
             tiles: indices
                 .into_par_iter()
-                .map(|index| Self::of_tile(ground, index))
+                .map(|index| Self::of_tile(heights, index))
                 .collect(),
         }
     }
 
     /// With the `changed` tiles looked at anew.
-    pub(super) fn updated(&self, ground: &Ground, changed: &[TileIndex]) -> Self {
+    pub(super) fn updated(&self, heights: &TiledRaster<f32>, changed: &[TileIndex]) -> Self {
         let mut result = self.clone();
-        let across = ground.heights().tiles_across();
+        let across = heights.tiles_across();
         for &index in changed {
             let slot = (index.row * across + index.col) as usize;
             if let Some(tile) = result.tiles.get_mut(slot) {
-                *tile = Self::of_tile(ground, index);
+                *tile = Self::of_tile(heights, index);
             }
         }
         result
@@ -177,9 +177,9 @@ impl Steepness {
         self.tiles.iter().fold([0.0; 2], greater)
     }
 
-    fn of_tile(ground: &Ground, index: TileIndex) -> [f32; 2] {
-        let stride = ground.heights().tile_stride();
-        let posts = ground.heights().tile_posts(index);
+    fn of_tile(heights: &TiledRaster<f32>, index: TileIndex) -> [f32; 2] {
+        let stride = heights.tile_stride();
+        let posts = heights.tile_posts(index);
         let mut steepest = [0.0_f32; 2];
         for row in posts.chunks_exact(stride) {
             for pair in row.windows(2) {
@@ -197,6 +197,7 @@ impl Steepness {
 mod tests {
     use super::*;
     use glam::DVec2;
+    use sandtable_terrain::Ground;
 
     fn ground(height: impl Fn(u32, u32) -> f32 + Sync) -> Ground {
         Ground::from_fn(300, 270, DVec2::ONE, height).expect("a sound grid")
@@ -240,9 +241,9 @@ mod tests {
         let (after, changed) = edited.expect("finite");
         let maxima = Maxima::new(before.heights(), before.range());
         let maxima = maxima.updated(after.heights(), after.range(), &changed);
-        let steepness = Steepness::new(&before).updated(&after, &changed);
-        assert_eq!(steepness.steepest(), Steepness::new(&after).steepest());
-        assert!(steepness.steepest()[0] > Steepness::new(&before).steepest()[0]);
+        let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
+        assert_eq!(steepness.steepest(), Steepness::new(after.heights()).steepest());
+        assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
         let view = maxima.view();
         let bound = |place: usize| {
             let code = view.from_place(view.bases()[place])[LEVEL_BEGIN[TOP as usize] as usize];

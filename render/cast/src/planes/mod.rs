@@ -70,7 +70,7 @@ impl Caster for Planes {
         Ok(Arc::new(PlanesScene {
             isa: self.isa,
             maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
-            steepness: Steepness::new(&scene.ground),
+            steepness: Steepness::new(scene.ground.heights()),
             detail: self.detail.map(|options| Detail::new(options, &scene.ground)),
             scene,
         }))
@@ -152,7 +152,7 @@ impl UnitCaster for PlanesScene {
                 scene.ground.range(),
                 changed,
             ),
-            steepness: self.steepness.updated(&scene.ground, changed),
+            steepness: self.steepness.updated(scene.ground.heights(), changed),
             detail: self.detail.as_ref().map(|detail| {
                 detail.updated(&self.scene.ground, &scene.ground, changed)
             }),
@@ -172,7 +172,11 @@ impl UnitCaster for PlanesScene {
             per_metre,
             view.size,
         );
-        let mut levels = vec![Level::new(ground.heights(), &self.maxima)];
+        let mut levels = vec![Level::new(
+            ground.heights(),
+            &self.maxima,
+            &self.steepness,
+        )];
         if let Some(detail) = &self.detail {
             levels.extend(detail.coarser());
         }
@@ -188,7 +192,6 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
-            steepest: self.steepness.steepest(),
             code_base: self.maxima.base,
             code_step: self.maxima.step,
             near: 3.0 * grid.cell_length() as f32,

@@ -132,8 +132,9 @@ struct March<'a, L: Lanes> {
     directions: Directions,
     /// The vanishing point of the vertical in steps and lanes of the sector.
     vertical: [f64; 3],
-    /// Metres a cell, along the minor axis, that the ground is steep at most.
-    steepest: f64,
+    /// Metres a cell of the ground, along the minor axis, that each of its resolutions is steep at
+    /// most.
+    steepest: Vec<f64>,
     /// Where the ground begins and ends, in cells from the eye along major and minor axis.
     bounds: [[f32; 2]; 2],
 }
@@ -231,6 +232,10 @@ impl<'a, L: Lanes> March<'a, L> {
         let [major, minor] = [fields[0].major, fields[0].minor];
         let bounds =
             [major, minor].map(|axis| [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]);
+        let steepest = frame.levels.iter().zip(&fields);
+        let steepest = steepest
+            .map(|(level, field)| f64::from(level.steepest[1 - sector.major] / field.scale))
+            .collect();
         for field in &mut fields {
             // Coarser cells may reach out over the ground's border: it ends where it ends.
             field.ends = bounds.map(|[_, end]| end / field.scale);
@@ -256,7 +261,7 @@ impl<'a, L: Lanes> March<'a, L> {
             fields,
             directions: Directions::new(frame, sector),
             vertical,
-            steepest: f64::from(frame.steepest[1 - sector.major]),
+            steepest,
             bounds,
         }
     }
@@ -269,8 +274,8 @@ impl<'a, L: Lanes> March<'a, L> {
         &self,
         step: u32,
         slope: [f64; 2],
-        first: i32,
-        last: i32,
+        [first, last]: [i32; 2],
+        steepest: f64,
     ) -> Option<Predecessor> {
         let ends = [first, last].map(|lane| self.directions.at(step, lane));
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
@@ -287,7 +292,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 let aside = end.y * to.x - to.y * end.x;
                 // Rays that enter the ground from its side must do so no earlier.
                 let enters_later = self.bounds[1][0] <= 0.0 || aside <= 0.0;
-                sound &= higher >= 1.001 * self.steepest * aside.abs()
+                sound &= higher >= 1.001 * steepest * aside.abs()
                     && enters_later
                     && end.x + to.x > 0.0;
                 rise = rise.min(higher / (end.x * (end.x + to.x)));
@@ -301,6 +306,22 @@ impl<'a, L: Lanes> March<'a, L> {
             }
         }
         None
+    }
+
+    /// How steep the ground is at most where the last step's rays came to, in the resolution that
+    /// suits rays there.
+    ///
+    /// What is nearer and finer may be steeper, and come between a ray and its predecessor by less
+    /// than a pixel: where detail is chosen, that is too small to count.
+    #[inline(always)]
+    fn steepest_near(&self, reached: &[f32], step: u32, ends: [i32; 2], across: f32) -> f64 {
+        let before = self.slot(step.wrapping_sub(1)) + MARGIN;
+        let [first, last] = ends.map(|lane| reached[before + lane as usize].abs());
+        let d = self.directions.at(step, ends[0]);
+        let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
+        let covered = (first.min(last) * width).max(1.0);
+        let coarsest = self.steepest.len() - 1;
+        self.steepest[(covered.log2() as usize).min(coarsest)]
     }
 
     /// Where a step's numbers begin in the scratch; lane 0 comes `MARGIN` later.
@@ -528,7 +549,12 @@ impl<'a, L: Lanes> March<'a, L> {
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             let mut fresh = ok;
-            if let Some(before) = self.predecessor(step, towards, first, first + count - 1) {
+            let ends = [first, first + count - 1];
+            let steepest = match across {
+                Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
+                None => self.steepest[0],
+            };
+            if let Some(before) = self.predecessor(step, towards, ends, steepest) {
                 let before_step = step - before.steps as u32;
                 let lanes = scratch.lanes[before_step as usize % MEMORY];
                 // Those whose predecessors are the sector's.
