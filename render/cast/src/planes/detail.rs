@@ -109,9 +109,7 @@ impl Detail {
                 })
                 .collect(),
             heights,
-            photo: ground
-                .photo()
-                .map(|photo| Texture::of_photo(photo, ground)),
+            photo: ground.photo().map(|photo| Texture::of_photo(photo, ground)),
             tints: tint_of(ground).map(|tint| {
                 let grid = ground.grid();
                 Texture::of_tints(&TiledRaster::from_fn(grid.cols, grid.rows, tint))
@@ -134,7 +132,9 @@ impl Detail {
         if before.grid() != ground.grid() || !same_photo || !same_tints {
             return Self::new(self.options, ground);
         }
-        let (heights, reached) = self.heights.updated(ground.heights(), ground.range(), changed);
+        let (heights, reached) = self
+            .heights
+            .updated(ground.heights(), ground.range(), changed);
         let levels = self.bounds.iter().zip(&heights.levels()[1..]);
         Self {
             options: self.options,
@@ -170,8 +170,14 @@ impl Detail {
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
-            photo: self.photo.as_ref().map(TextureFrame::new),
-            tints: self.tints.as_ref().map(TextureFrame::new),
+            photo: self
+                .photo
+                .as_ref()
+                .map(|photo| TextureFrame::new(photo, self.tints.is_none())),
+            tints: self
+                .tints
+                .as_ref()
+                .map(|tints| TextureFrame::new(tints, true)),
         }
     }
 }
@@ -196,10 +202,12 @@ pub(super) struct TextureFrame<'a> {
     pub(super) size: [u32; 2],
     pub(super) origin: [f64; 2],
     pub(super) spacing: [f64; 2],
+    /// Whether it has a colour for all ground.
+    pub(super) covers: bool,
 }
 
 impl<'a> TextureFrame<'a> {
-    fn new(texture: &'a Texture) -> Self {
+    fn new(texture: &'a Texture, covers: bool) -> Self {
         let levels = texture.mipmap.levels();
         let first_tiles = levels.iter().scan(0, |tiles, level| {
             let first = *tiles;
@@ -217,6 +225,7 @@ impl<'a> TextureFrame<'a> {
             size: [levels[0].cols(), levels[0].rows()],
             origin: texture.origin,
             spacing: texture.spacing,
+            covers,
         }
     }
 }

@@ -49,11 +49,14 @@ fn numbers(numbers: &[f32], at: usize) -> &[f32; LANES] {
 #[repr(align(64))]
 pub(super) struct Filters {
     /// From the pixel's place to where the second half of its footprint has its middle, in the
-    /// texture's pixels along major and minor axis; to the first half it is as far the other way.
+    /// texture's finest pixels along major and minor axis; to the first half it is as far the other
+    /// way.
     pub(super) major: Column<f32>,
     pub(super) minor: Column<f32>,
     /// The texture's level.
     pub(super) level: Column<i32>,
+    /// Which pixels of each group have two halves apart.
+    pub(super) apart: [u16; CAPACITY / LANES],
 }
 
 impl Default for Filters {
@@ -62,6 +65,7 @@ impl Default for Filters {
             major: [0.0; CAPACITY],
             minor: [0.0; CAPACITY],
             level: [0; CAPACITY],
+            apart: [0; CAPACITY / LANES],
         }
     }
 }
@@ -76,12 +80,7 @@ struct Extent<L: Lanes> {
 /// The smaller one of the ways to a pixel's two neighbours, so that what lies behind a ridge does
 /// not count; nothing where neither is ground.
 #[inline(always)]
-fn extent<L: Lanes>(
-    l: L,
-    here: &Places<L>,
-    before: &Places<L>,
-    behind: &Places<L>,
-) -> Extent<L> {
+fn extent<L: Lanes>(l: L, here: &Places<L>, before: &Places<L>, behind: &Places<L>) -> Extent<L> {
     let (none, far) = (l.splat(0.0), l.splat(f32::MAX));
     let back_major = l.sub(here.major, before.major);
     let back_minor = l.sub(here.minor, before.minor);
@@ -148,7 +147,11 @@ pub(super) fn filters<L: Lanes>(
         let width = l.div(area, l.max(length, l.splat(1e-6)));
         // Where a footprint is smaller than a pixel, one place is as good as two.
         let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
-        let reach = l.select(is_long, l.mul(length, l.splat(0.4)), l.mul(length, l.splat(0.8)));
+        let reach = l.select(
+            is_long,
+            l.mul(length, l.splat(0.4)),
+            l.mul(length, l.splat(0.8)),
+        );
         let wide = l.mul(l.max(width, reach), l.splat(blur));
         let level = l.min_i(l.exponent(l.max(wide, one)), coarsest);
         // No further than the footprint is wide: beyond a ridge there are other colours.
@@ -157,5 +160,6 @@ pub(super) fn filters<L: Lanes>(
         l.store(l.mul(major, apart), wave::group_mut(&mut filters.major, at));
         l.store(l.mul(minor, apart), wave::group_mut(&mut filters.minor, at));
         l.store_i(level, wave::group_mut(&mut filters.level, at));
+        filters.apart[group] = l.bits(is_long);
     }
 }

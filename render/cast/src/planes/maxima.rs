@@ -242,7 +242,10 @@ mod tests {
         let maxima = Maxima::new(before.heights(), before.range());
         let maxima = maxima.updated(after.heights(), after.range(), &changed);
         let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
-        assert_eq!(steepness.steepest(), Steepness::new(after.heights()).steepest());
+        assert_eq!(
+            steepness.steepest(),
+            Steepness::new(after.heights()).steepest()
+        );
         assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
         let view = maxima.view();
         let bound = |place: usize| {

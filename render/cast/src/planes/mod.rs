@@ -71,7 +71,9 @@ impl Caster for Planes {
             isa: self.isa,
             maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
             steepness: Steepness::new(scene.ground.heights()),
-            detail: self.detail.map(|options| Detail::new(options, &scene.ground)),
+            detail: self
+                .detail
+                .map(|options| Detail::new(options, &scene.ground)),
             scene,
         }))
     }
@@ -147,15 +149,14 @@ impl UnitCaster for PlanesScene {
     ) -> Result<Arc<dyn PreparedScene>, CastError> {
         Ok(Arc::new(Self {
             isa: self.isa,
-            maxima: self.maxima.updated(
-                scene.ground.heights(),
-                scene.ground.range(),
-                changed,
-            ),
+            maxima: self
+                .maxima
+                .updated(scene.ground.heights(), scene.ground.range(), changed),
             steepness: self.steepness.updated(scene.ground.heights(), changed),
-            detail: self.detail.as_ref().map(|detail| {
-                detail.updated(&self.scene.ground, &scene.ground, changed)
-            }),
+            detail: self
+                .detail
+                .as_ref()
+                .map(|detail| detail.updated(&self.scene.ground, &scene.ground, changed)),
             scene,
         }))
     }
@@ -172,11 +173,7 @@ impl UnitCaster for PlanesScene {
             per_metre,
             view.size,
         );
-        let mut levels = vec![Level::new(
-            ground.heights(),
-            &self.maxima,
-            &self.steepness,
-        )];
+        let mut levels = vec![Level::new(ground.heights(), &self.maxima, &self.steepness)];
         if let Some(detail) = &self.detail {
             levels.extend(detail.coarser());
         }

@@ -3,11 +3,11 @@
 use super::climb::{climb, level_for};
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
+use super::footprint::Around;
 use super::frame::Frame;
 use super::maxima::TOP;
 use super::pixels::PixelBlock;
 use super::sectors::Sector;
-use super::footprint::Around;
 use super::shade::{Chunk, Shader, Shading};
 use super::walk::{Passage, walk};
 use super::wave::{CHUNK, Ray, Wave};
@@ -292,9 +292,8 @@ impl<'a, L: Lanes> March<'a, L> {
                 let aside = end.y * to.x - to.y * end.x;
                 // Rays that enter the ground from its side must do so no earlier.
                 let enters_later = self.bounds[1][0] <= 0.0 || aside <= 0.0;
-                sound &= higher >= 1.001 * steepest * aside.abs()
-                    && enters_later
-                    && end.x + to.x > 0.0;
+                sound &=
+                    higher >= 1.001 * steepest * aside.abs() && enters_later && end.x + to.x > 0.0;
                 rise = rise.min(higher / (end.x * (end.x + to.x)));
             }
             if sound {
@@ -359,7 +358,11 @@ impl<'a, L: Lanes> March<'a, L> {
                 let around = |there: bool, step: u32| {
                     let from = self.slot(step) + MARGIN + first as usize - 1;
                     let numbers = from..from + count.next_multiple_of(LANES) + 2;
-                    let lanes = if there { scratch.lanes[step as usize % MEMORY] } else { [first; 2] };
+                    let lanes = if there {
+                        scratch.lanes[step as usize % MEMORY]
+                    } else {
+                        [first; 2]
+                    };
                     Around {
                         lanes: lanes.map(|lane| lane - first),
                         reached: &scratch.reached[numbers.clone()],
@@ -572,7 +575,10 @@ impl<'a, L: Lanes> March<'a, L> {
                 if let Some(width) = width {
                     self.begin(waves, known, &ray, start, over, width);
                 } else {
-                    let Waves { low: near, high: far } = &mut waves[0];
+                    let Waves {
+                        low: near,
+                        high: far,
+                    } = &mut waves[0];
                     let high = l.and(known, l.lt(near_limit, over));
                     let low = l.and_not(known, high);
                     low_end = near.put(l, low_end, low, &ray, start, cell);

@@ -5,7 +5,7 @@ use super::footprint::{Around, Filters, filters};
 use super::frame::Frame;
 use super::rows::Directions;
 use super::sectors::Sector;
-use super::texture::Mipmapped;
+use super::texture::{Halves, Mipmapped};
 use super::wave::{self, CAPACITY, Column};
 use crate::lanes::{LANES, Lanes};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
@@ -139,11 +139,27 @@ pub(super) struct Shading {
     on: [u16; CAPACITY / LANES],
     rest: [u16; CAPACITY / LANES],
     sky: [u16; CAPACITY / LANES],
-    /// Where detail is chosen: the pixels' filters, and what the first halves of their footprints
-    /// gave.
+    /// Where detail is chosen: the pixels' filters, and where the halves of their footprints lie.
     filters: Filters,
-    first_half: Column<i32>,
-    on_first: [u16; CAPACITY / LANES],
+    halves: [Half; 2],
+}
+
+/// Where colours lie in a texture, and the weights of eastern and northern texels.
+#[repr(align(64))]
+struct Half {
+    at: Column<i32>,
+    east: Column<f32>,
+    north: Column<f32>,
+}
+
+impl Default for Half {
+    fn default() -> Self {
+        Self {
+            at: [0; CAPACITY],
+            east: [0.0; CAPACITY],
+            north: [0.0; CAPACITY],
+        }
+    }
 }
 
 impl Default for Shading {
@@ -157,8 +173,7 @@ impl Default for Shading {
             rest: [0; CAPACITY / LANES],
             sky: [0; CAPACITY / LANES],
             filters: Filters::default(),
-            first_half: [0; CAPACITY],
-            on_first: [0; CAPACITY / LANES],
+            halves: Default::default(),
         }
     }
 }
@@ -456,7 +471,9 @@ impl<'a> Shader<'a> {
         colours: &mut [i32],
     ) {
         let groups = chunk.count.div_ceil(LANES);
-        let is_photo = self.textures[0].as_ref().is_some_and(|photo| std::ptr::eq(photo, texture));
+        let is_photo = self.textures[0]
+            .as_ref()
+            .is_some_and(|photo| std::ptr::eq(photo, texture));
         l.vectorize(
             #[inline(always)]
             || {
@@ -471,75 +488,81 @@ impl<'a> Shader<'a> {
                 );
             },
         );
-        for half in [-1.0_f32, 1.0] {
-            l.vectorize(
-                #[inline(always)]
-                || {
-                    for at in (0..chunk.count).step_by(LANES) {
-                        let group = at / LANES;
-                        let mut rest = shading.rest[group];
-                        if rest == 0 {
-                            continue;
-                        }
-                        let filters = &shading.filters;
-                        let level = l.load_i(wave::group(&filters.level, at));
-                        if !is_photo {
-                            rest &= l.bits(l.gt_i(level, l.splat_i(0)));
-                        }
-                        let reached = l.load(lanes(chunk.reached, at));
-                        let advance = l.load(lanes(chunk.advance, at));
-                        let side = l.splat(half);
-                        let [major, minor] = texture.scale;
-                        let (major, minor) = (l.splat(major), l.splat(minor));
-                        let major = l.add(
-                            l.mul(reached, major),
-                            l.mul(l.load(wave::group(&filters.major, at)), side),
-                        );
-                        let minor = l.add(
-                            l.mul(l.mul(reached, advance), minor),
-                            l.mul(l.load(wave::group(&filters.minor, at)), side),
-                        );
-                        let located = texture.locate(l, l.mask(rest), [major, minor], level);
-                        l.store_i(located.at, wave::group_mut(&mut shading.at, at));
-                        l.store(located.east, wave::group_mut(&mut shading.east, at));
-                        l.store(located.north, wave::group_mut(&mut shading.north, at));
-                        shading.on[group] = l.bits(located.on);
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in (0..chunk.count).step_by(LANES) {
+                    let group = at / LANES;
+                    let mut wanted = shading.rest[group];
+                    if wanted == 0 {
+                        continue;
                     }
-                },
-            );
-            l.vectorize(
-                #[inline(always)]
-                || {
-                    for at in (0..chunk.count).step_by(LANES) {
-                        let group = at / LANES;
-                        if shading.rest[group] == 0 {
-                            continue;
-                        }
-                        let texels = l.texels(
-                            &texture.frame.tiles.items,
-                            l.load_i(wave::group(&shading.at, at)),
-                            texture.frame.tiles.stride,
-                            l.load(wave::group(&shading.east, at)),
-                            l.load(wave::group(&shading.north, at)),
-                        );
-                        let colours = lanes_mut(colours, at);
-                        if half < 0.0 {
-                            l.store_i(texels, wave::group_mut(&mut shading.first_half, at));
-                            shading.on_first[group] = shading.on[group];
-                            continue;
-                        }
-                        let other = l.load_i(wave::group(&shading.first_half, at));
-                        // Both are whole where the bytes of coverage that both have are.
-                        let coverage = l.shr_i(l.and_i(texels, other), l.splat_i(24));
-                        let on = shading.on[group] & shading.on_first[group];
-                        let on = l.and(l.mask(on), l.eq_i(coverage, l.splat_i(-1)));
-                        let mean = l.select_i(on, mean_bytes(l, texels, other), l.load_i(colours));
-                        l.store_i(mean, colours);
-                        shading.rest[group] &= !l.bits(on);
+                    let filters = &shading.filters;
+                    let halves = Halves {
+                        aside: [
+                            l.load(wave::group(&filters.major, at)),
+                            l.load(wave::group(&filters.minor, at)),
+                        ],
+                        level: l.load_i(wave::group(&filters.level, at)),
+                    };
+                    if !is_photo {
+                        wanted &= l.bits(l.gt_i(halves.level, l.splat_i(0)));
                     }
-                },
-            );
-        }
+                    let reached = l.load(lanes(chunk.reached, at));
+                    let advance = l.load(lanes(chunk.advance, at));
+                    let [major, minor] = texture.scale;
+                    let middle = [
+                        l.mul(reached, l.splat(major)),
+                        l.mul(l.mul(reached, advance), l.splat(minor)),
+                    ];
+                    let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
+                    shading.on[group] = l.bits(on);
+                    for (to, half) in shading.halves.iter_mut().zip(&located) {
+                        l.store_i(half.at, wave::group_mut(&mut to.at, at));
+                        l.store(half.east, wave::group_mut(&mut to.east, at));
+                        l.store(half.north, wave::group_mut(&mut to.north, at));
+                        if self.large {
+                            l.prefetch(&texture.frame.tiles.items, half.at);
+                        }
+                    }
+                }
+            },
+        );
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in (0..chunk.count).step_by(LANES) {
+                    let group = at / LANES;
+                    let on = shading.on[group] & shading.rest[group];
+                    if on == 0 {
+                        continue;
+                    }
+                    let mut texels = self.half(l, texture, &shading.halves[0], at);
+                    if shading.filters.apart[group] & on != 0 {
+                        let other = self.half(l, texture, &shading.halves[1], at);
+                        texels = mean_bytes(l, texels, other);
+                    }
+                    // The mean of coverage is 255 where both have 255, or one 254: none has.
+                    let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
+                    let on = l.and(l.mask(on), whole);
+                    let colours = lanes_mut(colours, at);
+                    l.store_i(l.select_i(on, texels, l.load_i(colours)), colours);
+                    shading.rest[group] &= !l.bits(on);
+                }
+            },
+        );
+    }
+
+    /// The colours of halves of footprints.
+    #[inline(always)]
+    fn half<L: Lanes>(&self, l: L, texture: &Mipmapped<'_>, half: &Half, at: usize) -> L::I {
+        l.texels(
+            &texture.frame.tiles.items,
+            l.load_i(wave::group(&half.at, at)),
+            texture.frame.tiles.stride,
+            l.load(wave::group(&half.east, at)),
+            l.load(wave::group(&half.north, at)),
+        )
     }
 
     #[inline(always)]
@@ -564,7 +587,7 @@ impl<'a> Shader<'a> {
             shading.sky[group] = mask & !hits;
             shading.rest[group] = hits;
             shading.on[group] = 0;
-            if self.large && hits != 0 && self.blur.is_finite() && self.textures[0].is_none() {
+            if self.large && hits != 0 && self.photo.is_some() {
                 self.prefetch(l, chunk, at, hit, reached, advance);
             }
             if let Some(photo) = &self.photo

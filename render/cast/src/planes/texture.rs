@@ -5,67 +5,34 @@ use super::frame::Frame;
 use super::sectors::Sector;
 use crate::lanes::Lanes;
 
-/// A texture along one axis, as one sector's rays run along it.
+/// A texture along one axis, as one sector's rays run along it: in fixed point, from the outer edge
+/// of the first pixel, which all levels share.
 struct Along {
     sign: i32,
-    /// A pixel of the finest level, and how far along the rays' direction the eye lies from there.
-    base: i32,
-    fraction: f32,
+    /// Where the eye is.
+    eye: i32,
     /// Pixels of the finest level.
     pixels: i32,
 }
 
-/// Pixels by which half a footprint may reach behind the eye.
-const BEHIND: i32 = 64;
-
 impl Along {
-    fn new(eye: f64, sign: i32, pixels: u32) -> Self {
-        let base = if sign > 0 { eye.floor() } else { eye.ceil() };
-        Self {
-            base: base as i32 - sign * BEHIND,
-            sign,
-            // From a pixel's outer edge, which all levels share.
-            fraction: ((eye - base).abs() + 0.5 + f64::from(BEHIND)) as f32,
-            pixels: pixels as i32,
+    /// Where lies what is `along` from the eye, both in fixed point of the finest level.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, l: L, along: L::I) -> L::I {
+        let eye = l.splat_i(self.eye);
+        if self.sign > 0 {
+            l.add_i(eye, along)
+        } else {
+            l.sub_i(eye, along)
         }
     }
 
-    /// For what lies `along` pixels of the finest level from the eye: the pixel of `level` before
-    /// it (in the texture's own direction) and the weight of the one behind; and whether it lies
-    /// off the texture.
+    /// Where that lies in `level`, from the first pixel's centre; and where the last pixel does.
     #[inline(always)]
-    fn locate<L: Lanes>(
-        &self,
-        l: L,
-        along: L::F,
-        level: L::I,
-        inverse_size: L::F,
-    ) -> (L::I, L::F, L::M) {
-        let (none, one) = (l.splat_i(0), l.splat_i(1));
-        let half = l.splat(0.5);
-        let along = l.add(along, l.splat(self.fraction));
-        let whole = l.to_int(along);
-        let share = l.sub(along, l.to_float(whole));
-        let base = l.splat_i(self.base);
-        let (at, share) = if self.sign > 0 {
-            (l.add_i(base, whole), share)
-        } else {
-            (l.sub_i(base, whole), l.sub(l.splat(1.0), share))
-        };
-        let off = l.or(l.gt_i(none, at), l.gt_i(at, l.splat_i(self.pixels - 1)));
-        // In pixels of the level, from their centres.
-        let coarse = l.shr_i(at, level);
-        let rest = l.to_float(l.sub_i(at, l.shl_i(coarse, level)));
-        let share = l.sub(l.mul(l.add(rest, share), inverse_size), half);
-        let before = l.lt(share, l.splat(0.0));
-        let coarse = l.add_i_where(before, coarse, l.splat_i(-1));
-        let share = l.select(before, l.add(share, l.splat(1.0)), share);
-        // At the border the outer pixel's colour goes on.
-        let last = l.sub_i(l.shr_i(l.splat_i(self.pixels - 1), level), one);
-        let last = l.max_i(last, none);
-        let share = l.select(l.gt_i(none, coarse), l.splat(0.0), share);
-        let share = l.select(l.gt_i(coarse, last), l.splat(1.0), share);
-        (l.max_i(l.min_i(coarse, last), none), share, off)
+    fn coarser<L: Lanes>(&self, l: L, place: L::I, level: L::I, bits: L::I) -> (L::I, L::I) {
+        let half = l.shr_i(l.shl_i(l.splat_i(1), bits), l.splat_i(1));
+        let last = l.shl_i(l.shr_i(l.splat_i(self.pixels - 1), level), bits);
+        (l.sub_i(l.shr_i(place, level), half), last)
     }
 }
 
@@ -78,6 +45,9 @@ pub(super) struct Mipmapped<'a> {
     y: Along,
     /// Pixels of the finest level for each cell along major and minor axis.
     pub(super) scale: [f32; 2],
+    /// Bits of fractions, and how many parts a pixel has in fixed point.
+    bits: i32,
+    parts: f32,
 }
 
 /// Where colours lie in a texture.
@@ -85,8 +55,14 @@ pub(super) struct Located<L: Lanes> {
     pub(super) at: L::I,
     pub(super) east: L::F,
     pub(super) north: L::F,
-    /// Whether the texture reaches there.
-    pub(super) on: L::M,
+}
+
+/// The two halves of a footprint: from its middle, how far aside they lie in pixels of the finest
+/// level along major and minor axis (one half there, and one as far the other way), and the level
+/// that suits their width.
+pub(super) struct Halves<L: Lanes> {
+    pub(super) aside: [L::F; 2],
+    pub(super) level: L::I,
 }
 
 impl<'a> Mipmapped<'a> {
@@ -94,50 +70,127 @@ impl<'a> Mipmapped<'a> {
         texture: &'a TextureFrame<'a>,
         frame: &Frame<'_>,
         sector: &Sector,
-        [x_sign, y_sign]: [i32; 2],
+        signs: [i32; 2],
     ) -> Self {
-        let eye = [0, 1].map(|axis| {
+        // As many as leave room for the longer side, and no more than weights of colours have.
+        let side = texture.size[0].max(texture.size[1]).next_power_of_two();
+        let bits = 15.min(29 - side.trailing_zeros() as i32);
+        let parts = f64::from(1 << bits);
+        let along = |axis: usize| {
             let eye = [frame.eye.x, frame.eye.y][axis];
-            (eye - texture.origin[axis]) / texture.spacing[axis]
-        });
+            let eye = (eye - texture.origin[axis]) / texture.spacing[axis] + 0.5;
+            Along {
+                sign: signs[axis],
+                eye: (eye * parts).round() as i32,
+                pixels: texture.size[axis] as i32,
+            }
+        };
         let [x, y] = texture.spacing.map(|spacing| (1.0 / spacing) as f32);
         Self {
             frame: texture,
             major: sector.major,
-            x: Along::new(eye[0], x_sign, texture.size[0]),
-            y: Along::new(eye[1], y_sign, texture.size[1]),
+            x: along(0),
+            y: along(1),
             scale: if sector.major == 0 { [x, y] } else { [y, x] },
+            bits,
+            parts: parts as f32,
         }
     }
 
-    /// Where the colours of `level` lie at places so many finest pixels from the eye along major
-    /// and minor axis.
+    /// Where the colours of the halves of footprints lie of which the middles are `middle` finest
+    /// pixels from the eye along major and minor axis; and which of them the texture has.
     #[inline(always)]
     pub(super) fn locate<L: Lanes>(
         &self,
         l: L,
         mask: L::M,
-        [major, minor]: [L::F; 2],
-        level: L::I,
-    ) -> Located<L> {
-        let [x, y] = if self.major == 0 {
-            [major, minor]
+        middle: [L::F; 2],
+        halves: &Halves<L>,
+    ) -> ([Located<L>; 2], L::M) {
+        let level = halves.level;
+        let bits = l.splat_i(self.bits);
+        let parts = l.splat(self.parts);
+        let (major, minor) = (l.mul(middle[0], parts), l.mul(middle[1], parts));
+        let (major, minor) = (l.to_int(major), l.to_int(minor));
+        let (x, y) = if self.major == 0 {
+            (major, minor)
         } else {
-            [minor, major]
+            (minor, major)
         };
+        let (x, y) = (self.x.place(l, x), self.y.place(l, y));
+        let mut on = mask;
+        if !self.frame.covers {
+            let none = l.splat_i(0);
+            let off_x = l.or(
+                l.gt_i(none, x),
+                l.gt_i(l.shr_i(x, bits), l.splat_i(self.x.pixels - 1)),
+            );
+            let off_y = l.or(
+                l.gt_i(none, y),
+                l.gt_i(l.shr_i(y, bits), l.splat_i(self.y.pixels - 1)),
+            );
+            on = l.and_not(mask, l.or(off_x, off_y));
+        }
+        let (x, last_x) = self.x.coarser(l, x, level, bits);
+        let (y, last_y) = self.y.coarser(l, y, level, bits);
+        // Rays run the other way where the sign is less than 0, which for halves on both sides
+        // matters only between the axes.
         let exponent = l.sub_i(l.splat_i(127), level);
-        let inverse_size = l.float_of_bits(l.shl_i(exponent, l.splat_i(23)));
-        let (x, east, off_x) = self.x.locate(l, x, level, inverse_size);
-        let (y, north, off_y) = self.y.locate(l, y, level, inverse_size);
-        let tiles = &self.frame.tiles;
+        let size = l.float_of_bits(l.shl_i(exponent, l.splat_i(23)));
+        let size = l.mul(size, parts);
+        let major = l.to_int(l.mul(halves.aside[0], size));
+        let minor = l.to_int(l.mul(halves.aside[1], size));
+        let (aside_x, aside_y) = if self.major == 0 {
+            (major, minor)
+        } else {
+            (minor, major)
+        };
+        let aside_y = if self.x.sign == self.y.sign {
+            aside_y
+        } else {
+            l.sub_i(l.splat_i(0), aside_y)
+        };
         let first_tile = l.look_up(&self.frame.first_tiles, level);
         let across = l.look_up(&self.frame.tiles_across, level);
-        let place = tiles.place_in(l, first_tile, across, x, y);
+        let lanes = InTexture {
+            mask,
+            last: [last_x, last_y],
+            first_tile,
+            across,
+        };
+        let before = [l.sub_i(x, aside_x), l.sub_i(y, aside_y)];
+        let behind = [l.add_i(x, aside_x), l.add_i(y, aside_y)];
+        let before = self.texels(l, &lanes, before);
+        let behind = self.texels(l, &lanes, behind);
+        ([before, behind], on)
+    }
+
+    /// The texels around a place in fixed point, and their weights.
+    #[inline(always)]
+    fn texels<L: Lanes>(&self, l: L, lanes: &InTexture<L>, [x, y]: [L::I; 2]) -> Located<L> {
+        let (none, one) = (l.splat_i(0), l.splat_i(1));
+        let bits = l.splat_i(self.bits);
+        let fraction = l.splat_i((1 << self.bits) - 1);
+        let weight = l.splat(1.0 / self.parts);
+        // At the border the outer pixel's colour goes on: all but a hair of it.
+        let x = l.max_i(l.min_i(x, l.sub_i(lanes.last[0], one)), none);
+        let y = l.max_i(l.min_i(y, l.sub_i(lanes.last[1], one)), none);
+        let (col, row) = (l.shr_i(x, bits), l.shr_i(y, bits));
+        let tiles = &self.frame.tiles;
+        let place = tiles.place_in(l, lanes.first_tile, lanes.across, col, row);
         Located {
-            at: tiles.only(l, mask, place),
-            east,
-            north,
-            on: l.and_not(mask, l.or(off_x, off_y)),
+            at: tiles.only(l, lanes.mask, place),
+            east: l.mul(l.to_float(l.and_i(x, fraction)), weight),
+            north: l.mul(l.to_float(l.and_i(y, fraction)), weight),
         }
     }
+}
+
+/// What lanes' levels are like.
+struct InTexture<L: Lanes> {
+    mask: L::M,
+    /// The last pixel's centre along x and y, in fixed point from the first one's.
+    last: [L::I; 2],
+    first_tile: L::I,
+    across: L::I,
 }
