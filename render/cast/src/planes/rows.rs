@@ -1,5 +1,9 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
+mod recolour;
+
+pub(super) use recolour::{reaches, recolour_sector};
+
 use super::climb::{climb, level_for};
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
@@ -47,6 +51,28 @@ struct Waves {
 impl Waves {
     fn len(&self) -> usize {
         self.low.len() + self.high.len()
+    }
+}
+
+impl Scratch {
+    /// Makes ready for a sector; gives the numbers a step.
+    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector) -> usize {
+        let width = frame.rays.size[1 - sector.step_axis] as usize;
+        // A power of two, so that the step of a ray is quickly told from where its number lies.
+        let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+        self.lanes = [[0, 0]; MEMORY];
+        let levels = self.waves.len().max(frame.levels.len());
+        self.waves.resize_with(levels, Waves::default);
+        // A cast that panicked may have left some behind.
+        for waves in &mut self.waves {
+            waves.low.truncate(0);
+            waves.high.truncate(0);
+        }
+        for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
+            numbers.resize(numbers.len().max(room * MEMORY), 0.0);
+        }
+        self.pixels.begin(width + MARGIN);
+        room
     }
 }
 
@@ -149,26 +175,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
-    let width = frame.rays.size[1 - sector.step_axis] as usize;
-    // A power of two, so that the step of a ray is quickly told from where its number lies.
-    let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+    let room = scratch.begin(frame, sector);
     let march = March::new(l, frame, sector, room);
-    scratch.lanes = [[0, 0]; MEMORY];
-    let levels = scratch.waves.len().max(march.fields.len());
-    scratch.waves.resize_with(levels, Waves::default);
-    // A cast that panicked may have left some behind.
-    for waves in &mut scratch.waves {
-        waves.low.truncate(0);
-        waves.high.truncate(0);
-    }
-    for numbers in [
-        &mut scratch.reached,
-        &mut scratch.advance,
-        &mut scratch.slope,
-    ] {
-        numbers.resize(numbers.len().max(room * MEMORY), 0.0);
-    }
-    scratch.pixels.begin(width + MARGIN);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
