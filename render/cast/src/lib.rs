@@ -64,6 +64,8 @@ pub use inclined::Inclined;
 pub use multiresolution::Multiresolution;
 pub use options::CasterOption;
 pub use pick::{pick, sight};
+#[doc(hidden)]
+pub use planes::Survey;
 pub use planes::{Planes, ShadeFloor};
 pub use pool::CastPool;
 pub use registry::{CASTERS, CasterKind, caster_by_name, caster_kind};

@@ -13,11 +13,13 @@ mod pixels;
 mod rows;
 mod sectors;
 mod shade;
+mod survey;
 mod texture;
 mod walk;
 mod wave;
 
 pub use self::floor::ShadeFloor;
+pub use self::survey::Survey;
 
 use self::detail::{Detail, DetailOptions};
 use self::frame::{Frame, Level};

@@ -1,8 +1,10 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
 mod recolour;
+mod survey;
 
 pub(super) use recolour::{reaches, recolour_sector};
+pub(super) use survey::{begins, looks};
 
 use super::climb::{climb, level_for};
 use super::coarser::Coarser;
@@ -274,6 +276,15 @@ impl<'a, L: Lanes> March<'a, L> {
         }
     }
 
+    /// Towards the vanishing point: lanes aside for each step back, as an affine function of the
+    /// lane.
+    #[inline(always)]
+    fn towards(&self, step: u32) -> [f64; 2] {
+        let [along, across, w] = self.vertical;
+        let back = (f64::from(step) * w - along).abs();
+        [across / back, -w / back]
+    }
+
     /// The nearest ray before a group's from which it may begin: one so much lower that ground
     /// that is not steeper than `steepest` cannot come between them. What that ray passed over is
     /// passed over by the group's rays then.
@@ -419,7 +430,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 high: &mut waves.high,
                 is_last: level + 2 == self.fields.len(),
             });
-            let looked_at = if climbs { high.len() } else { low.len() };
+            tally.cells(if climbs { high.ids() } else { low.ids() });
             let field = &self.fields[level];
             if climbs {
                 l.vectorize(
@@ -429,9 +440,6 @@ impl<'a, L: Lanes> March<'a, L> {
             } else {
                 let passage = &mut scratch.passage;
                 walk(l, field, low, high, passage, &mut scratch.reached, coarser);
-            }
-            for _ in 0..looked_at {
-                tally.cell();
             }
         }
         if unfinished > 0 {
@@ -498,11 +506,7 @@ impl<'a, L: Lanes> March<'a, L> {
         let near_limit = l.splat(self.frame.near);
         let inverse_near = l.splat(1.0 / self.frame.near);
         let highest_level = l.splat_i(TOP as i32);
-        // Towards the vanishing point: lanes aside for each step back, as an affine function of
-        // the lane.
-        let [along, aside, w] = self.vertical;
-        let back = (f64::from(step) * w - along).abs();
-        let towards = [aside / back, -w / back];
+        let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
         let across = self.frame.detail.as_ref().map(|detail| {
             let d = self.directions.at(step, 0);

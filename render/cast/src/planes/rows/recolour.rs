@@ -24,9 +24,8 @@ pub(in crate::planes) fn reaches(frame: &Frame<'_>, sector: &Sector, image: &Ima
     for step in 0..sector.steps {
         let [from, to] = sector.lanes(step);
         for lane in from..to {
-            let mut pixel = [sector.image_step(step) as usize; 2];
-            pixel[1 - sector.step_axis] = lane as usize;
-            let depth = f64::from(image.depth[pixel[1] * image.width() as usize + pixel[0]]);
+            let [i, j] = sector.pixel(step, lane);
+            let depth = f64::from(image.depth[(j * image.width() + i) as usize]);
             let d = directions.at(step, lane);
             let major = d.x.max(steep);
             let aside = metres[1] * d.y.max(0.0) / major;
