@@ -39,8 +39,9 @@ lint: deps runtime ## Check format, lints and documentation
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
-bench: deps-bench ## Time the casters on 1 and 2 threads, and Embree beside them
+bench: deps-bench ## Time the casters on 1 and 2 threads, the default one against itself, and Embree
 	$(CARGO) bench --locked -p sandtable-cast --bench casters
+	$(CARGO) bench --locked -p sandtable-cast --bench against_itself
 	$(CARGO) bench --locked -p sandtable-cast --bench against_embree
 
 doc: ## Build the documentation of all crates

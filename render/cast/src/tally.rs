@@ -47,6 +47,13 @@ pub(crate) trait Tally {
     fn sample(&mut self);
     /// A cell's corners are read.
     fn cell(&mut self);
+    /// As many cells' corners, or blocks' bounds, as there are numbers of rays, for each ray one.
+    #[inline(always)]
+    fn cells(&mut self, rays: &[i32]) {
+        for _ in rays {
+            self.cell();
+        }
+    }
 }
 
 impl Tally for Work {

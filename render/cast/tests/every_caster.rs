@@ -86,6 +86,35 @@ fn threads_and_schemes_do_not_change_a_byte() {
 }
 
 #[test]
+fn eyes_of_a_pair_are_cast_as_each_alone() {
+    let scene = scene(140, 120, hills);
+    let eye = |x| standpoints::at_table(&scene.ground, DVec3::new(x, -0.7, 0.6), [177, 110]);
+    let camera_eye = |x| camera(DVec3::new(500.0 + x, 90.0, 120.0), 0.3, 0.0, 0.0).view([90, 61]);
+    for kind in &CASTERS {
+        let prepared = prepared(kind, &scene);
+        let mut pairs = 0;
+        for pair in [
+            [eye(-0.032), eye(0.032)],
+            [camera_eye(-30.0), camera_eye(30.0)],
+        ] {
+            if pair.iter().any(|view| prepared.work(view).is_err()) {
+                continue;
+            }
+            pairs += 1;
+            let alone = pair.map(|view| cast(&*prepared, &[view], 1, Scheme::default()).remove(0));
+            assert!(alone[0] != alone[1], "{}: both eyes are one", kind.name);
+            for threads in [1, 2, 3] {
+                for scheme in Scheme::ALL {
+                    let together = cast(&*prepared, &pair, threads, scheme);
+                    assert!(together == alone, "{}: {scheme} on {threads}", kind.name);
+                }
+            }
+        }
+        assert!(pairs > 0, "{} casts no pair", kind.name);
+    }
+}
+
+#[test]
 fn pixels_are_cast_whatever_the_images_held_before() {
     let scene = scene(60, 60, hills);
     for kind in &CASTERS {

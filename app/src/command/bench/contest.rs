@@ -153,33 +153,36 @@ impl Contest {
         let accepted = lines.iter_mut().filter(|line| line.refused.is_none());
         for ((line, run), times) in accepted.zip(&runs).zip(&times) {
             line.set_times(times);
-            line.shade_only_ms = Some(floor.median());
+            line.shade_only_ms = floor.as_ref().map(Times::median);
             let difference = |exact| Difference::between(&run.images()[0], exact, cell);
             line.check = task.exact.as_ref().map(|exact| difference(exact).into());
         }
         Ok(lines)
     }
 
-    /// The times of shading alone and of each run, all taking turns; `None` without runs.
+    /// The times of shading alone, where there is a floor, and of each run, all taking turns;
+    /// `None` without runs.
     fn timed(
         &self,
         pool: &CastPool,
         frames: usize,
         runs: &mut [Run<'_>],
-    ) -> Result<Option<(Times, Vec<Times>)>> {
+    ) -> Result<Option<(Option<Times>, Vec<Times>)>> {
         let Some(first) = runs.first() else {
             return Ok(None);
         };
-        let mut floor = ShadeFloor::new(&first.images()[0]);
-        let ground = &self.scene.ground;
-        let mut works: Vec<Work<'_>> = vec![Box::new(|| {
-            pool.run(|| floor.shade(ground));
-            Ok(())
-        })];
-        works.extend(runs.iter_mut().map(|run| run.as_work()));
-        let mut times = take_turns(frames, &mut works)?;
-        let casts = times.split_off(1);
-        Ok(times.pop().map(|floor| (floor, casts)))
+        let mut floor = ShadeFloor::new(&self.scene, &first.images()[0]);
+        let mut works: Vec<Work<'_>> = runs.iter_mut().map(|run| run.as_work()).collect();
+        if let Some(floor) = &mut floor {
+            works.push(Box::new(|| {
+                pool.run(|| floor.shade());
+                Ok(())
+            }));
+        }
+        let mut casts = take_turns(frames, &mut works)?;
+        drop(works);
+        let floor = casts.split_off(runs.len()).pop();
+        Ok(Some((floor, casts)))
     }
 
     /// A line that nothing has been timed for yet.

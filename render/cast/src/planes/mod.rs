@@ -5,6 +5,7 @@ mod climb;
 mod coarser;
 mod detail;
 mod field;
+mod floor;
 mod footprint;
 mod frame;
 mod maxima;
@@ -12,9 +13,13 @@ mod pixels;
 mod rows;
 mod sectors;
 mod shade;
+mod survey;
 mod texture;
 mod walk;
 mod wave;
+
+pub use self::floor::ShadeFloor;
+pub use self::survey::Survey;
 
 use self::detail::{Detail, DetailOptions};
 use self::frame::{Frame, Level};
@@ -67,15 +72,7 @@ impl Planes {
 
 impl Caster for Planes {
     fn prepare(&self, scene: Arc<Scene>) -> Result<Arc<dyn PreparedScene>, CastError> {
-        Ok(Arc::new(PlanesScene {
-            isa: self.isa,
-            maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
-            steepness: Steepness::new(scene.ground.heights()),
-            detail: self
-                .detail
-                .map(|options| Detail::new(options, &scene.ground)),
-            scene,
-        }))
+        Ok(Arc::new(PlanesScene::new(self.isa, self.detail, scene)))
     }
 }
 
@@ -85,6 +82,18 @@ struct PlanesScene {
     maxima: Maxima,
     steepness: Steepness,
     detail: Option<Detail>,
+}
+
+impl PlanesScene {
+    fn new(isa: Isa, detail: Option<DetailOptions>, scene: Arc<Scene>) -> Self {
+        Self {
+            isa,
+            maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
+            steepness: Steepness::new(scene.ground.heights()),
+            detail: detail.map(|options| Detail::new(options, &scene.ground)),
+            scene,
+        }
+    }
 }
 
 /// How many pixels of a step a sector has at most, about.

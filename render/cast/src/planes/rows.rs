@@ -1,5 +1,11 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
+mod recolour;
+mod survey;
+
+pub(super) use recolour::{reaches, recolour_sector};
+pub(super) use survey::{begins, looks};
+
 use super::climb::{climb, level_for};
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
@@ -47,6 +53,28 @@ struct Waves {
 impl Waves {
     fn len(&self) -> usize {
         self.low.len() + self.high.len()
+    }
+}
+
+impl Scratch {
+    /// Makes ready for a sector; gives the numbers a step.
+    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector) -> usize {
+        let width = frame.rays.size[1 - sector.step_axis] as usize;
+        // A power of two, so that the step of a ray is quickly told from where its number lies.
+        let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+        self.lanes = [[0, 0]; MEMORY];
+        let levels = self.waves.len().max(frame.levels.len());
+        self.waves.resize_with(levels, Waves::default);
+        // A cast that panicked may have left some behind.
+        for waves in &mut self.waves {
+            waves.low.truncate(0);
+            waves.high.truncate(0);
+        }
+        for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
+            numbers.resize(numbers.len().max(room * MEMORY), 0.0);
+        }
+        self.pixels.begin(width + MARGIN);
+        room
     }
 }
 
@@ -149,26 +177,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
-    let width = frame.rays.size[1 - sector.step_axis] as usize;
-    // A power of two, so that the step of a ray is quickly told from where its number lies.
-    let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+    let room = scratch.begin(frame, sector);
     let march = March::new(l, frame, sector, room);
-    scratch.lanes = [[0, 0]; MEMORY];
-    let levels = scratch.waves.len().max(march.fields.len());
-    scratch.waves.resize_with(levels, Waves::default);
-    // A cast that panicked may have left some behind.
-    for waves in &mut scratch.waves {
-        waves.low.truncate(0);
-        waves.high.truncate(0);
-    }
-    for numbers in [
-        &mut scratch.reached,
-        &mut scratch.advance,
-        &mut scratch.slope,
-    ] {
-        numbers.resize(numbers.len().max(room * MEMORY), 0.0);
-    }
-    scratch.pixels.begin(width + MARGIN);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
@@ -264,6 +274,15 @@ impl<'a, L: Lanes> March<'a, L> {
             steepest,
             bounds,
         }
+    }
+
+    /// Towards the vanishing point: lanes aside for each step back, as an affine function of the
+    /// lane.
+    #[inline(always)]
+    fn towards(&self, step: u32) -> [f64; 2] {
+        let [along, across, w] = self.vertical;
+        let back = (f64::from(step) * w - along).abs();
+        [across / back, -w / back]
     }
 
     /// The nearest ray before a group's from which it may begin: one so much lower that ground
@@ -414,7 +433,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 high: &mut waves.high,
                 is_last: level + 2 == self.fields.len(),
             });
-            let looked_at = if climbs { high.len() } else { low.len() };
+            tally.cells(if climbs { high.ids() } else { low.ids() });
             let field = &self.fields[level];
             if climbs {
                 l.vectorize(
@@ -424,9 +443,6 @@ impl<'a, L: Lanes> March<'a, L> {
             } else {
                 let passage = &mut scratch.passage;
                 walk(l, field, low, high, passage, &mut scratch.reached, coarser);
-            }
-            for _ in 0..looked_at {
-                tally.cell();
             }
         }
         if unfinished > 0 {
@@ -493,11 +509,7 @@ impl<'a, L: Lanes> March<'a, L> {
         let near_limit = l.splat(self.frame.near);
         let inverse_near = l.splat(1.0 / self.frame.near);
         let highest_level = l.splat_i(TOP as i32);
-        // Towards the vanishing point: lanes aside for each step back, as an affine function of
-        // the lane.
-        let [along, aside, w] = self.vertical;
-        let back = (f64::from(step) * w - along).abs();
-        let towards = [aside / back, -w / back];
+        let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
         let across = self.frame.detail.as_ref().map(|detail| {
             let d = self.directions.at(step, 0);

@@ -55,6 +55,13 @@ impl Sector {
         (self.first_step + self.direction * k as i32) as u32
     }
 
+    /// The image's column and row of a lane of step `k`.
+    pub(super) fn pixel(&self, k: u32, lane: i32) -> [u32; 2] {
+        let mut pixel = [self.image_step(k); 2];
+        pixel[1 - self.step_axis] = lane as u32;
+        pixel
+    }
+
     /// The pixels of step `k`, from the first to behind the last, along the image's other axis.
     pub(super) fn lanes(&self, k: u32) -> [i32; 2] {
         let step = f64::from(self.first_step + self.direction * k as i32);
@@ -354,12 +361,7 @@ mod tests {
                     for k in 0..sector.steps {
                         let [from, to] = sector.lanes(k);
                         for lane in from..to {
-                            let step = sector.image_step(k);
-                            let [i, j] = if sector.step_axis == 1 {
-                                [lane as u32, step]
-                            } else {
-                                [step, lane as u32]
-                            };
+                            let [i, j] = sector.pixel(k, lane);
                             owners[(j * w + i) as usize] += 1;
                         }
                     }

@@ -1,0 +1,88 @@
+//! What becomes of each of a sector's rays.
+
+use super::{LANES, MEMORY, March, Scratch, cast_sector};
+use crate::canvas::Canvas;
+use crate::lanes::Portable;
+use crate::planes::frame::Frame;
+use crate::planes::sectors::Sector;
+use crate::tally::Tally;
+
+/// Casts a sector and adds to each pixel's number in `looks` over how many cells and blocks its ray
+/// is led. `pixels` are the sector's, step by step and lane by lane.
+pub(in crate::planes) fn looks(
+    frame: &Frame<'_>,
+    sector: &Sector,
+    scratch: &mut Scratch,
+    canvas: &Canvas<'_>,
+    pixels: &[usize],
+    looks: &mut [u32],
+) {
+    let places = (0..sector.steps).flat_map(|step| {
+        let [from, to] = sector.lanes(step);
+        (from..to).map(move |lane| (step, lane))
+    });
+    let room = scratch.begin(frame, sector);
+    let mut tally = PixelTally {
+        rays: places.zip(pixels.iter().copied()),
+        room,
+        pixels: vec![0; room * MEMORY],
+        looks,
+    };
+    cast_sector(Portable, frame, sector, scratch, canvas, &mut tally);
+}
+
+/// Tells each look to the pixel whose ray it is.
+struct PixelTally<'a, I> {
+    /// The rays' steps and lanes, and pixels, in the order in which they set out.
+    rays: I,
+    room: usize,
+    /// The pixel of each number in the scratch.
+    pixels: Vec<usize>,
+    looks: &'a mut [u32],
+}
+
+impl<I: Iterator<Item = ((u32, i32), usize)>> Tally for PixelTally<'_, I> {
+    fn ray(&mut self) {
+        if let Some(((step, lane), pixel)) = self.rays.next() {
+            let slot = step as usize % MEMORY * self.room;
+            self.pixels[slot + super::MARGIN + lane as usize] = pixel;
+        }
+    }
+
+    fn sample(&mut self) {}
+
+    fn cell(&mut self) {}
+
+    fn cells(&mut self, rays: &[i32]) {
+        for &ray in rays {
+            self.looks[self.pixels[ray as usize]] += 1;
+        }
+    }
+}
+
+/// How many steps back the ray lies from which each ray of a sector begins, 0 for none; step by
+/// step and lane by lane.
+pub(in crate::planes) fn begins<'a>(
+    frame: &'a Frame<'a>,
+    sector: &'a Sector,
+) -> impl Iterator<Item = u32> {
+    let march = March::new(Portable, frame, sector, 0);
+    (0..sector.steps).flat_map(move |step| {
+        let [from, to] = sector.lanes(step);
+        let towards = march.towards(step);
+        let mut steps = Vec::with_capacity((to - from) as usize);
+        for first in (from..to).step_by(LANES) {
+            let last = (to - 1).min(first + LANES as i32 - 1);
+            let before = march.predecessor(step, towards, [first, last], march.steepest[0]);
+            steps.extend((first..=last).map(|lane| {
+                let Some(before) = before else {
+                    return 0;
+                };
+                let lanes = sector.lanes(step - before.steps as u32);
+                let is_known = (lanes[0]..lanes[1]).contains(&(lane + before.lanes));
+                if is_known { before.steps as u32 } else { 0 }
+            }));
+        }
+        steps
+    })
+}

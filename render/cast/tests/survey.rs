@@ -1,0 +1,46 @@
+//! What the pictures of the default caster show.
+
+use glam::DVec3;
+use sandtable_cast::{CastPool, Scene, Survey, caster_by_name, standpoints};
+use sandtable_terrain::{TerrainSource, open};
+use std::error::Error;
+
+#[test]
+fn each_look_at_the_ground_belongs_to_a_pixel() -> Result<(), Box<dyn Error>> {
+    let ground = open(&TerrainSource::Ridges { size: 257, seed: 0 }, None)?.ground;
+    let scene = Scene::new(ground);
+    let pool = CastPool::new(2)?;
+    let caster = caster_by_name("planes")?;
+    for at in standpoints::mixed(&scene.ground) {
+        let mut view = at.view;
+        view.size = [317, 181];
+        let survey = Survey::of(&scene, &view).expect("an eye in the air");
+        let image = pool.picture(&*caster, &scene, view)?;
+        assert!(survey.image == image, "{}: another image", at.name);
+        let prepared = pool.run(|| caster.prepare(scene.clone()))?;
+        let work = prepared.work(&view)?;
+        let looks: u64 = survey.looks.iter().map(|&looks| u64::from(looks)).sum();
+        assert_eq!(looks, work.cells, "{}", at.name);
+        for (looks, depth) in survey.looks.iter().zip(&image.depth) {
+            assert!(
+                *looks > 0 || depth.is_infinite(),
+                "{}: a hit unseen",
+                at.name
+            );
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn most_rays_begin_from_a_ray_before() -> Result<(), Box<dyn Error>> {
+    let ground = open(&TerrainSource::Ridges { size: 257, seed: 0 }, None)?.ground;
+    let scene = Scene::new(ground);
+    let view = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.75, 0.6), [320, 196]);
+    let survey = Survey::of(&scene, &view).expect("an eye in the air");
+    assert!(survey.begins.iter().all(|&steps| steps <= 7));
+    let alone = survey.begins.iter().filter(|&&steps| steps == 0).count();
+    let pixels = survey.begins.len();
+    assert!(alone > 0 && alone < pixels / 4, "{alone} of {pixels}");
+    Ok(())
+}
