@@ -86,6 +86,15 @@ pub(crate) struct TerrainArgs {
     pub(crate) photo: Option<PathBuf>,
 }
 
+/// A switch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OnOff {
+    /// Yes.
+    On,
+    /// No.
+    Off,
+}
+
 /// How both eyes reach the glass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StereoArg {
@@ -173,6 +182,11 @@ pub(crate) struct FlyArgs {
     #[arg(long, value_name = "CASTER", default_value = "planes")]
     pub(crate) caster: String,
 
+    /// Level of detail: heights and colours at the resolution of what a pixel covers, calm where one
+    /// point a pixel would flicker, and faster over large terrains. A table has it, a desktop not.
+    #[arg(long, value_enum, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    pub(crate) lod: Option<OnOff>,
+
     /// Casting threads; 0 takes one for each core.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
@@ -243,6 +257,11 @@ pub(crate) struct RenderArgs {
     /// The caster, with its options: NAME or NAME?KEY=VALUE&KEY=VALUE (see `sandtable casters`).
     #[arg(long, value_name = "CASTER", default_value = "planes")]
     pub(crate) caster: String,
+
+    /// Level of detail: heights and colours at the resolution of what a pixel covers, in place of one
+    /// point a pixel.
+    #[arg(long, value_enum, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    pub(crate) lod: Option<OnOff>,
 
     /// Casting threads; 0 takes one for each core.
     #[arg(long, value_name = "N", default_value_t = 0)]

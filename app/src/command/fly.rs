@@ -32,7 +32,8 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     if !(args.seconds > 0.0 && args.seconds <= LONGEST) {
         return Err(usage("--seconds must be above 0 and at most 3600"));
     }
-    let caster = scene::caster(&args.caster)?;
+    // Before anything is opened: a wrong word should not cost a wait.
+    scene::caster_at_detail(&args.caster, args.lod, false)?;
     let replay = args.replay.as_deref().map(open_replay).transpose()?;
     let mut age = None;
     let rig = match &replay {
@@ -62,6 +63,8 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
         Some(replay) => tape::terrain(replay, &args.terrain)?,
         None => args.terrain.clone(),
     };
+    let is_table = matches!(rig.viewing, Viewing::Table(_));
+    let caster = scene::caster_at_detail(&args.caster, args.lod, is_table)?;
     let open = scene::open(&terrain)?;
     let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
     let hub = Arc::new(Hub::for_rig(&rig));

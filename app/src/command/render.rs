@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
-    let caster = scene::caster(&args.caster)?;
+    let caster = scene::caster_at_detail(&args.caster, args.lod, false)?;
     let view_file = args.view.as_deref().map(read_view).transpose()?;
     if let Some(path) = &args.path {
         return track::render(args, path, view_file.as_ref(), &caster);

@@ -2,8 +2,8 @@
 
 use super::latency::{LatencyTable, milliseconds};
 use super::show::{Device, GuideStep, GuideWish, Readings, TableReadings, Wish};
+use crate::scene::caster_choices;
 use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
-use sandtable_cast::CASTERS;
 use sandtable_stage::StereoMode;
 use sandtable_view::Attitude;
 use std::time::Duration;
@@ -201,10 +201,10 @@ fn picture(ui: &mut Ui, settings: &mut Settings, readings: &Readings, wishes: &m
     ComboBox::from_id_salt("caster")
         .selected_text(&readings.caster)
         .show_ui(ui, |ui| {
-            for kind in &CASTERS {
-                let label = ui.selectable_label(readings.caster == kind.name, kind.name);
-                if label.on_hover_text(kind.summary).clicked() {
-                    wishes.push(Wish::Caster(kind.name));
+            for (name, summary) in caster_choices() {
+                let label = ui.selectable_label(readings.caster == name, name);
+                if label.on_hover_text(summary).clicked() {
+                    wishes.push(Wish::Caster(name));
                 }
             }
         });
@@ -390,7 +390,7 @@ mod tests {
                 roll: 0.3,
             },
             speed: 123.456_789,
-            caster: CASTERS[0].name.to_owned(),
+            caster: "planes".to_owned(),
             messages: vec!["a message".into(); 9],
             ..Default::default()
         };

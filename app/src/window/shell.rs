@@ -9,7 +9,8 @@ use super::panel::Settings;
 use super::show::{Activity, Advanced, Drive, Show, Wish};
 use super::times::Times;
 use super::{Waker, WindowError, WindowOptions};
-use sandtable_cast::{CASTERS, CastPool};
+use crate::scene::caster_choices;
+use sandtable_cast::CastPool;
 use sandtable_config::Intent;
 use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_stage::StereoMode;
@@ -135,9 +136,10 @@ impl<'a> Shell<'a> {
             Intent::Anaglyph => self.settings.mode = StereoMode::Anaglyph,
             Intent::NextCaster => {
                 let present = self.show.readings().caster;
-                let index = CASTERS.iter().position(|kind| kind.name == present);
-                let following = index.map_or(0, |index| (index + 1) % CASTERS.len());
-                self.show.apply(Wish::Caster(CASTERS[following].name));
+                let names: Vec<_> = caster_choices().map(|(name, _)| name).collect();
+                let index = names.iter().position(|&name| name == present);
+                let following = index.map_or(0, |index| (index + 1) % names.len());
+                self.show.apply(Wish::Caster(names[following]));
             }
             Intent::FullScreen => {
                 if let Some(open) = &self.open {

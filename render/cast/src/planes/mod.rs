@@ -48,6 +48,9 @@ pub struct Planes {
 }
 
 impl Planes {
+    /// What asks for it with level of detail.
+    pub const WITH_DETAIL: &str = "planes?lod=on";
+
     /// What can be set.
     pub const OPTIONS: [CasterOption; 4] = [
         CasterOption {
