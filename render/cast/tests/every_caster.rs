@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use sandtable_cast::{
-    CASTERS, CastPool, CasterKind, Image, PreparedScene, Scene, Scheme, standpoints,
+    CASTERS, CastPool, Image, Planes, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
 };
 use sandtable_terrain::Ground;
 use sandtable_view::{Attitude, Camera, View};
@@ -42,16 +42,22 @@ fn views(scene: &Scene) -> Vec<View> {
     ]
 }
 
-fn prepared(kind: &CasterKind, scene: &Arc<Scene>) -> Arc<dyn PreparedScene> {
-    let caster = kind.by_default();
+/// All casters with their defaults, and the default one with level of detail.
+fn casters() -> impl Iterator<Item = &'static str> {
+    let names = CASTERS.iter().map(|kind| kind.name);
+    names.chain([Planes::WITH_DETAIL])
+}
+
+fn prepared(name: &str, scene: &Arc<Scene>) -> Arc<dyn PreparedScene> {
+    let caster = caster_by_name(name).expect("there is one");
     caster.prepare(Arc::clone(scene)).expect("defaults suit")
 }
 
 /// Those of `views` that the caster is made for.
-fn accepted(kind: &CasterKind, prepared: &dyn PreparedScene, views: &[View]) -> Vec<View> {
+fn accepted(name: &str, prepared: &dyn PreparedScene, views: &[View]) -> Vec<View> {
     let is_accepted = |view: &&View| prepared.work(view).is_ok();
     let views: Vec<_> = views.iter().filter(is_accepted).copied().collect();
-    assert!(!views.is_empty(), "{} casts nothing at all", kind.name);
+    assert!(!views.is_empty(), "{name} casts nothing at all");
     views
 }
 
@@ -70,16 +76,16 @@ fn cast(
 #[test]
 fn threads_and_schemes_do_not_change_a_byte() {
     let scene = scene(140, 120, hills);
-    for kind in &CASTERS {
-        let prepared = prepared(kind, &scene);
-        let views = accepted(kind, &*prepared, &views(&scene));
+    for caster in casters() {
+        let prepared = prepared(caster, &scene);
+        let views = accepted(caster, &*prepared, &views(&scene));
         let one = cast(&*prepared, &views, 1, Scheme::default());
         let hits = |image: &Image| image.depth.iter().any(|depth| depth.is_finite());
-        assert!(one.iter().any(hits), "{} sees nothing", kind.name);
+        assert!(one.iter().any(hits), "{} sees nothing", caster);
         for threads in [1, 2, 7] {
             for scheme in Scheme::ALL {
                 let other = cast(&*prepared, &views, threads, scheme);
-                assert!(one == other, "{}: {scheme} on {threads}", kind.name);
+                assert!(one == other, "{}: {scheme} on {threads}", caster);
             }
         }
     }
@@ -90,8 +96,8 @@ fn eyes_of_a_pair_are_cast_as_each_alone() {
     let scene = scene(140, 120, hills);
     let eye = |x| standpoints::at_table(&scene.ground, DVec3::new(x, -0.7, 0.6), [177, 110]);
     let camera_eye = |x| camera(DVec3::new(500.0 + x, 90.0, 120.0), 0.3, 0.0, 0.0).view([90, 61]);
-    for kind in &CASTERS {
-        let prepared = prepared(kind, &scene);
+    for caster in casters() {
+        let prepared = prepared(caster, &scene);
         let mut pairs = 0;
         for pair in [
             [eye(-0.032), eye(0.032)],
@@ -102,24 +108,24 @@ fn eyes_of_a_pair_are_cast_as_each_alone() {
             }
             pairs += 1;
             let alone = pair.map(|view| cast(&*prepared, &[view], 1, Scheme::default()).remove(0));
-            assert!(alone[0] != alone[1], "{}: both eyes are one", kind.name);
+            assert!(alone[0] != alone[1], "{}: both eyes are one", caster);
             for threads in [1, 2, 3] {
                 for scheme in Scheme::ALL {
                     let together = cast(&*prepared, &pair, threads, scheme);
-                    assert!(together == alone, "{}: {scheme} on {threads}", kind.name);
+                    assert!(together == alone, "{}: {scheme} on {threads}", caster);
                 }
             }
         }
-        assert!(pairs > 0, "{} casts no pair", kind.name);
+        assert!(pairs > 0, "{} casts no pair", caster);
     }
 }
 
 #[test]
 fn pixels_are_cast_whatever_the_images_held_before() {
     let scene = scene(60, 60, hills);
-    for kind in &CASTERS {
-        let prepared = prepared(kind, &scene);
-        for view in accepted(kind, &*prepared, &views(&scene)) {
+    for caster in casters() {
+        let prepared = prepared(caster, &scene);
+        for view in accepted(caster, &*prepared, &views(&scene)) {
             let clean = cast(&*prepared, &[view], 2, Scheme::default());
             let mut dirty = clean.clone();
             dirty[0].colour_mut().fill([1, 2, 3, 4]);
@@ -127,7 +133,7 @@ fn pixels_are_cast_whatever_the_images_held_before() {
             let pool = CastPool::new(2).expect("threads");
             pool.cast(&*prepared, &[view], &mut dirty)
                 .expect("accepted");
-            assert!(clean == dirty, "{} leaves pixels out", kind.name);
+            assert!(clean == dirty, "{} leaves pixels out", caster);
         }
     }
 }
@@ -135,13 +141,13 @@ fn pixels_are_cast_whatever_the_images_held_before() {
 #[test]
 fn work_is_counted() {
     let scene = scene(60, 60, hills);
-    for kind in &CASTERS {
-        let prepared = prepared(kind, &scene);
-        for view in accepted(kind, &*prepared, &views(&scene)) {
+    for caster in casters() {
+        let prepared = prepared(caster, &scene);
+        for view in accepted(caster, &*prepared, &views(&scene)) {
             let work = prepared.work(&view).expect("accepted");
             let pixels = u64::from(view.size[0]) * u64::from(view.size[1]);
-            assert!(work.rays >= pixels, "{}: {work:?}", kind.name);
-            assert!(work.samples + work.cells > 0, "{}: {work:?}", kind.name);
+            assert!(work.rays >= pixels, "{}: {work:?}", caster);
+            assert!(work.samples + work.cells > 0, "{}: {work:?}", caster);
         }
     }
 }
@@ -149,8 +155,8 @@ fn work_is_counted() {
 #[test]
 fn an_empty_image_is_cast_without_ado() {
     let scene = scene(5, 4, |_, _| 0.0);
-    for kind in &CASTERS {
-        let prepared = prepared(kind, &scene);
+    for caster in casters() {
+        let prepared = prepared(caster, &scene);
         for size in [[0, 0], [0, 4], [4, 0]] {
             let mut view = views(&scene)[0];
             view.size = size;
@@ -168,20 +174,20 @@ fn a_scene_updated_after_an_edit_equals_one_prepared_anew() {
         .edited(230..262, 100..140, |_, _, height| height + 30.0);
     let (ground, changed) = edit.expect("finite");
     let after = Scene::new(ground);
-    for kind in &CASTERS {
-        let old = prepared(kind, &before);
+    for caster in casters() {
+        let old = prepared(caster, &before);
         let updated = old.updated(Arc::clone(&after), &changed).expect("suits");
-        let fresh = prepared(kind, &after);
+        let fresh = prepared(caster, &after);
         let eye = DVec3::new(2300.0, 300.0, 130.0);
         let look = [
             camera(eye, 0.0, 0.0, 0.0).view([90, 60]),
             camera(eye, 0.0, -0.3, 0.0).view([90, 60]),
         ];
-        let views = accepted(kind, &*old, &look);
+        let views = accepted(caster, &*old, &look);
         let [old, updated, fresh] =
             [old, updated, fresh].map(|scene| cast(&*scene, &views, 2, Scheme::default()));
-        assert!(old != updated, "{} does not see the edit", kind.name);
-        assert!(updated == fresh, "{} sees half of the edit", kind.name);
+        assert!(old != updated, "{} does not see the edit", caster);
+        assert!(updated == fresh, "{} sees half of the edit", caster);
     }
 }
 
@@ -200,8 +206,8 @@ fn degenerate_ground_is_cast() {
         ),
     ];
     for (name, scene) in &grounds {
-        for kind in &CASTERS {
-            let prepared = prepared(kind, scene);
+        for caster in casters() {
+            let prepared = prepared(caster, scene);
             let mut views = views(scene);
             // An eye on the surface, and one inside the terrain.
             let height = scene.ground.height_at(9.0, 7.0).expect("on the terrain");
@@ -210,13 +216,13 @@ fn degenerate_ground_is_cast() {
                 views.push(camera(eye, 0.3, 0.0, 0.0).view([20, 16]));
                 views.push(camera(eye, 0.3, -0.5, 0.0).view([20, 16]));
             }
-            for view in accepted(kind, &*prepared, &views) {
+            for view in accepted(caster, &*prepared, &views) {
                 let images = cast(&*prepared, &[view], 2, Scheme::default());
                 let sound = |depth: &f32| *depth >= 0.0;
                 assert!(
                     images[0].depth.iter().all(sound),
                     "{}: {name} from {}",
-                    kind.name,
+                    caster,
                     view.eye
                 );
             }

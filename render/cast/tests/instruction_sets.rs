@@ -8,12 +8,12 @@ use sandtable_terrain::{Ground, Photo, TiledRaster};
 use sandtable_view::{Attitude, Camera, View};
 use std::sync::Arc;
 
-/// The caster on each instruction set of this processor, the reference first.
-fn casters() -> Vec<(&'static str, Arc<dyn Caster>)> {
+/// The caster with `options` on each instruction set of this processor, the reference first.
+fn casters(options: &str) -> Vec<(&'static str, Arc<dyn Caster>)> {
     ["portable", "avx512", "avx2", "neon"]
         .into_iter()
         .filter_map(|name| {
-            let caster = caster_by_name(&format!("planes?isa={name}"));
+            let caster = caster_by_name(&format!("planes?isa={name}{options}"));
             caster.ok().map(|caster| (name, caster))
         })
         .collect()
@@ -83,11 +83,11 @@ fn cast(prepared: &dyn PreparedScene, views: &[View]) -> Vec<Image> {
     images
 }
 
-fn assert_same_images(ground: Ground) {
+fn assert_same_images(ground: Ground, options: &str) {
     let scene = Scene::new(ground);
     let views = views(&scene);
     let mut reference: Option<Vec<Image>> = None;
-    for (name, caster) in casters() {
+    for (name, caster) in casters(options) {
         let prepared = caster.prepare(Arc::clone(&scene)).expect("suits");
         let images = cast(&*prepared, &views);
         let reference = reference.get_or_insert_with(|| images.clone());
@@ -109,7 +109,7 @@ fn assert_same_images(ground: Ground) {
 
 #[test]
 fn the_reference_is_everywhere_and_some_set_is_the_best() {
-    let names: Vec<_> = casters().into_iter().map(|(name, _)| name).collect();
+    let names: Vec<_> = casters("").into_iter().map(|(name, _)| name).collect();
     assert_eq!(names[0], "portable");
     assert!(caster_by_name("planes?isa=best").is_ok());
     assert!(caster_by_name("planes?isa=mmx").is_err());
@@ -124,10 +124,17 @@ fn the_reference_is_everywhere_and_some_set_is_the_best() {
 
 #[test]
 fn ground_has_the_same_bytes_on_all() {
-    assert_same_images(hills());
+    assert_same_images(hills(), "");
 }
 
 #[test]
 fn ground_with_a_photo_has_the_same_bytes_on_all() {
-    assert_same_images(hills().with_photo(photo()));
+    assert_same_images(hills().with_photo(photo()), "");
+}
+
+#[test]
+fn detail_has_the_same_bytes_on_all() {
+    // Coarse enough for several levels in a small image.
+    assert_same_images(hills(), "&lod=on&cell=8&blur=3");
+    assert_same_images(hills().with_photo(photo()), "&lod=on&cell=8&blur=3");
 }

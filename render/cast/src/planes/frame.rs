@@ -14,6 +14,9 @@ use sandtable_view::View;
 pub(super) struct Level<'a> {
     pub(super) heights: Tiles<'a, f32>,
     pub(super) maxima: Tiles<'a, u16>,
+    /// The height that code 0 of the maxima stands for, and the metres from code to code.
+    pub(super) code_base: f32,
+    pub(super) code_step: f32,
     /// Cells along x and y.
     pub(super) cells: [i32; 2],
     /// How steep it is at most along x and y: metres for each of its cells.
@@ -34,6 +37,8 @@ impl<'a> Level<'a> {
                 heights.tile_stride(),
             ),
             maxima: Tiles::new(maxima.view(), heights.tiles_across(), 0),
+            code_base: maxima.base,
+            code_step: maxima.step,
             cells: [heights.cols() as i32 - 1, heights.rows() as i32 - 1],
         }
     }
@@ -57,8 +62,6 @@ pub(super) struct Frame<'a> {
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.
     pub(super) alone: Option<GridFrame<'a>>,
-    pub(super) code_base: f32,
-    pub(super) code_step: f32,
     /// Metres over the ground from which on blocks of cells are skipped.
     pub(super) near: f32,
 }

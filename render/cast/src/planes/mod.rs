@@ -201,8 +201,6 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
-            code_base: self.maxima.base,
-            code_step: self.maxima.step,
             near: 3.0 * grid.cell_length() as f32,
         })
     }

@@ -231,8 +231,8 @@ impl<'a, L: Lanes> March<'a, L> {
                 eye_rest: (frame.eye.z - f64::from(frame.eye.z as f32)) as f32,
                 highest: frame.highest + frame.rounding,
                 rounding: frame.rounding,
-                code_base: frame.code_base,
-                code_step: frame.code_step,
+                code_base: ground.code_base,
+                code_step: ground.code_step,
                 scale: scale as f32,
                 near: frame.near * scale as f32,
                 ends: [0.0; 2],
@@ -339,7 +339,8 @@ impl<'a, L: Lanes> March<'a, L> {
         let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
         let covered = (first.min(last) * width).max(1.0);
         let coarsest = self.steepest.len() - 1;
-        self.steepest[(covered.log2() as usize).min(coarsest)]
+        let level = (covered.to_bits() >> 23) as usize - 127;
+        self.steepest[level.min(coarsest)]
     }
 
     /// Where a step's numbers begin in the scratch; lane 0 comes `MARGIN` later.
