@@ -58,7 +58,7 @@ impl Waves {
 
 impl Scratch {
     /// Makes ready for a sector; gives the numbers a step.
-    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector) -> usize {
+    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector, canvas: &Canvas<'_>) -> usize {
         let width = frame.rays.size[1 - sector.step_axis] as usize;
         // A power of two, so that the step of a ray is quickly told from where its number lies.
         let room = (width + 2 * MARGIN + LANES).next_power_of_two();
@@ -73,7 +73,7 @@ impl Scratch {
         for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
             numbers.resize(numbers.len().max(room * MEMORY), 0.0);
         }
-        self.pixels.begin(width + MARGIN);
+        self.pixels.begin(canvas, sector, width + MARGIN);
         room
     }
 }
@@ -177,7 +177,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
-    let room = scratch.begin(frame, sector);
+    let room = scratch.begin(frame, sector, canvas);
     let march = March::new(l, frame, sector, room);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
@@ -402,7 +402,7 @@ impl<'a, L: Lanes> March<'a, L> {
                     advance: &scratch.advance[numbers.clone()],
                     slope: &scratch.slope[numbers],
                 };
-                PixelBlock::prefetch(
+                scratch.pixels.prefetch(
                     self.l,
                     canvas,
                     self.sector,

@@ -52,7 +52,7 @@ pub(in crate::planes) fn recolour_sector<L: Lanes>(
     scratch: &mut Scratch,
     canvas: &Canvas<'_>,
 ) {
-    let room = scratch.begin(frame, sector);
+    let room = scratch.begin(frame, sector, canvas);
     let march = March::new(l, frame, sector, room);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     for step in 0..sector.steps {

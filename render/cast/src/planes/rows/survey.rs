@@ -21,7 +21,7 @@ pub(in crate::planes) fn looks(
         let [from, to] = sector.lanes(step);
         (from..to).map(move |lane| (step, lane))
     });
-    let room = scratch.begin(frame, sector);
+    let room = scratch.begin(frame, sector, canvas);
     let mut tally = PixelTally {
         rays: places.zip(pixels.iter().copied()),
         room,
