@@ -15,7 +15,7 @@ use super::maxima::TOP;
 use super::pixels::PixelBlock;
 use super::sectors::Sector;
 use super::shade::{Chunk, Shader, Shading};
-use super::walk::{Passage, walk};
+use super::walk::{Departure, Passage, Step, depart, walk};
 use super::wave::{CHUNK, Ray, Wave};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
@@ -37,6 +37,7 @@ pub(super) struct Scratch {
     slope: Vec<f32>,
     /// The rays on their way over each of the ground's resolutions.
     waves: Vec<Waves>,
+    departure: Box<Departure>,
     passage: Box<Passage>,
     shading: Box<Shading>,
     /// Colours and depths of the last steps.
@@ -80,6 +81,10 @@ impl Scratch {
 
 /// Rays that may stay on their way while the next step begins: low and high ones each.
 const UNFINISHED: usize = 2 * LANES;
+
+/// Rays of a group that set out low from which on they go through their first cell as they are, not
+/// closed up with others.
+const MANY: u32 = 11;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
@@ -197,6 +202,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 #[inline(always)]
                 || march.set_out(step, chunk, scratch, tally),
             );
+            if frame.detail.is_none() {
+                march.depart(step, chunk, scratch);
+            }
             march.go_on(scratch, UNFINISHED, tally);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
@@ -419,6 +427,26 @@ impl<'a, L: Lanes> March<'a, L> {
         to.max(from)
     }
 
+    /// Leads a chunk's rays that set out low through their first cells.
+    fn depart(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
+        let Waves { low, high } = &mut scratch.waves[0];
+        depart(
+            self.l,
+            &self.fields[0],
+            &scratch.departure,
+            &Step {
+                first: self.slot(step) + MARGIN + lanes[0] as usize,
+                count: (lanes[1] - lanes[0]) as usize,
+                advance: &scratch.advance,
+                slope: &scratch.slope,
+            },
+            low,
+            high,
+            &mut scratch.passage,
+            &mut scratch.reached,
+        );
+    }
+
     /// Leads rays on until no more than `unfinished` of them are on their way low, and as many
     /// high.
     fn go_on<T: Tally>(&self, scratch: &mut Scratch, unfinished: usize, tally: &mut T) {
@@ -550,6 +578,8 @@ impl<'a, L: Lanes> March<'a, L> {
             // Until something is found: the ray has left the ground.
             let nothing = l.sub(zero, l.max(leave, tiny));
             l.store(nothing, group_mut(&mut scratch.reached, at));
+            let in_chunk = (first - lanes[0]) as usize;
+            scratch.departure.clear(in_chunk);
             let ray = Ray {
                 advance,
                 inverse,
@@ -564,6 +594,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             let mut fresh = ok;
+            let mut departed = 0;
             let ends = [first, first + count - 1];
             let steepest = match across {
                 Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
@@ -593,7 +624,12 @@ impl<'a, L: Lanes> March<'a, L> {
                     } = &mut waves[0];
                     let high = l.and(known, l.lt(near_limit, over));
                     let low = l.and_not(known, high);
-                    low_end = near.put(l, low_end, low, &ray, start, cell);
+                    if l.bits(low).count_ones() >= MANY {
+                        scratch.departure.put(l, in_chunk, low, &ray, start, cell);
+                        departed = l.bits(low);
+                    } else {
+                        low_end = near.put(l, low_end, low, &ray, start, cell);
+                    }
                     if l.bits(high) != 0 {
                         let level = level_for(l, l.mul(over, inverse_near));
                         high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
@@ -617,6 +653,9 @@ impl<'a, L: Lanes> March<'a, L> {
             }
             for _ in 0..count {
                 tally.ray();
+            }
+            for lane in (0..LANES).filter(|lane| departed >> lane & 1 != 0) {
+                tally.cells(&[(at + lane) as i32]);
             }
         }
         if self.frame.detail.is_none() {
