@@ -4,7 +4,8 @@ use super::{LANES, Lanes};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
-/// The proof that the processor has AVX-512 F, BW, DQ and VL.
+/// The proof that the processor has AVX-512 F, BW, DQ and VL, and the instructions on bits that
+/// came before them.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx512(());
 
@@ -14,7 +15,10 @@ impl Avx512 {
         (is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl"))
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt"))
         .then_some(Self(()))
     }
 }
@@ -27,7 +31,7 @@ macro_rules! on_values {
     };
 }
 
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline(never)]
 fn run<R>(work: impl FnOnce() -> R) -> R {
     work()
@@ -40,7 +44,7 @@ type Pairs = [__m512i; 2];
 ///
 /// # Safety
 /// Eight bytes can be read at each.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 unsafe fn pairs(address: impl Fn(usize) -> *const u8) -> Pairs {
     macro_rules! quarter {
@@ -106,7 +110,7 @@ fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
 
 /// Blends sixteen lanes' four texels: a southern and a northern row of neighbours, lanes 0 to 7 and
 /// 8 to 15 each.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m512) -> __m512i {
     let scale = _mm512_set1_ps(32767.0);
@@ -155,7 +159,7 @@ fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m5
 }
 
 /// Columns for rows: within quarters of registers first, then whole quarters.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn transposed(rows: [__m512i; LANES]) -> [__m512i; LANES] {
     let mut pairs = rows;

@@ -136,11 +136,7 @@ impl Axis {
         let cell = l.to_int(l.add(along, l.splat(self.fraction)));
         let cell = l.min_i(cell, l.splat_i(self.cells[1]));
         // Rays do not run backwards: only those from off the ground can round to before it.
-        if self.cells[0] > 0 {
-            l.max_i(cell, l.splat_i(self.cells[0]))
-        } else {
-            cell
-        }
+        l.max_i(cell, l.splat_i(self.cells[0]))
     }
 
     /// How far into mirrored cell `cell` lies what is `along` from the eye: in the ground's own

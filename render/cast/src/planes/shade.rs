@@ -295,7 +295,10 @@ impl<'a> Shader<'a> {
             tints: Tints::new(frame.ground),
             textures,
             blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
-            large: frame.levels[0].heights.items.len() > 2 * SMALL,
+            large: {
+                let [across, along] = frame.levels[0].cells;
+                across as usize * along as usize > SMALL
+            },
         }
     }
 
