@@ -194,6 +194,9 @@ pub(super) struct Field<'a> {
     pub(super) near: f32,
     /// Where the ground ends, in cells from the eye along major and minor axis.
     pub(super) ends: [f32; 2],
+    /// Where the ground is too large for a core's own caches: how far behind a cell's place its
+    /// corner lies that rays reach last, for which they ask before they read the cell.
+    pub(super) ahead: Option<i32>,
 }
 
 impl<'a> Field<'a> {

@@ -84,7 +84,7 @@ const UNFINISHED: usize = 2 * LANES;
 
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
 /// closed up with others.
-const MANY: u32 = 11;
+const MANY: u32 = 8;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
@@ -244,6 +244,15 @@ impl<'a, L: Lanes> March<'a, L> {
                 scale: scale as f32,
                 near: frame.near * scale as f32,
                 ends: [0.0; 2],
+                ahead: ground.is_large().then(|| {
+                    let [x, y] = if sector.major == 0 {
+                        sector.signs
+                    } else {
+                        [sector.signs[1], sector.signs[0]]
+                    };
+                    let north = if y > 0 { ground.heights.stride } else { 0 };
+                    i32::from(x > 0) + north as i32
+                }),
             }
         };
         let mut fields: Vec<_> = (0..frame.levels.len()).map(field).collect();

@@ -9,12 +9,14 @@ use crate::lanes::{LANES, Lanes};
 /// What one cell's passage needs between its loops.
 #[repr(align(64))]
 pub(super) struct Passage {
+    place: Column<i32>,
     posts: [Column<f32>; 4],
 }
 
 impl Default for Passage {
     fn default() -> Self {
         Self {
+            place: [0; CAPACITY],
             posts: [[0.0; CAPACITY]; 4],
         }
     }
@@ -140,7 +142,18 @@ pub(super) fn depart<L: Lanes>(
             for at in (0..step.count).step_by(LANES) {
                 let mask = departure.masks[at / LANES];
                 if mask != 0 {
-                    fetch(l, field, l.mask(mask), departure.cell(l, at), passage, at);
+                    let cell = departure.cell(l, at);
+                    place(l, field, l.mask(mask), cell, passage, at);
+                }
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in (0..step.count).step_by(LANES) {
+                if departure.masks[at / LANES] != 0 {
+                    fetch(l, field, passage, at);
                 }
             }
         },
@@ -195,9 +208,9 @@ pub(super) fn depart<L: Lanes>(
     );
 }
 
-/// Fetches the posts of a group's cells.
+/// Finds where the posts of a group's cells lie, and asks for their memory where it may be far.
 #[inline(always)]
-fn fetch<L: Lanes>(
+fn place<L: Lanes>(
     l: L,
     field: &Field<'_>,
     mask: L::M,
@@ -205,9 +218,19 @@ fn fetch<L: Lanes>(
     passage: &mut Passage,
     at: usize,
 ) {
-    let heights = field.heights;
-    let place = heights.only(l, mask, field.place(l, cell));
-    let posts = l.cells(&heights.items, place, heights.stride);
+    let place = field.heights.only(l, mask, field.place(l, cell));
+    if let Some(ahead) = field.ahead {
+        let ahead = l.add_i(place, l.splat_i(ahead));
+        l.prefetch::<_, 1>(&field.heights.items, ahead);
+    }
+    l.store_i(place, group_mut(&mut passage.place, at));
+}
+
+/// Fetches the posts of a group's cells.
+#[inline(always)]
+fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at: usize) {
+    let place = l.load_i(group(&passage.place, at));
+    let posts = l.cells(&field.heights.items, place, field.heights.stride);
     for (to, posts) in passage.posts.iter_mut().zip(posts) {
         l.store(posts, group_mut(to, at));
     }
@@ -217,7 +240,7 @@ fn fetch<L: Lanes>(
 /// `reached`; those that leave the ground are dropped; those that end far over it go to `high`,
 /// and those that are too far for this resolution to `coarser`.
 ///
-/// Two loops, as each has so little between one group's begin and end that the processor works on
+/// Three loops, as each has so little between one group's begin and end that the processor works on
 /// several groups at once.
 #[inline(always)]
 pub(super) fn walk<L: Lanes>(
@@ -233,14 +256,16 @@ pub(super) fn walk<L: Lanes>(
         #[inline(always)]
         || {
             for at in (0..wave.len()).step_by(LANES) {
-                fetch(
-                    l,
-                    field,
-                    l.mask(wave.mask(at)),
-                    wave.cell(l, at),
-                    passage,
-                    at,
-                );
+                let mask = l.mask(wave.mask(at));
+                place(l, field, mask, wave.cell(l, at), passage, at);
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in (0..wave.len()).step_by(LANES) {
+                fetch(l, field, passage, at);
             }
         },
     );
