@@ -86,6 +86,9 @@ const UNFINISHED: usize = 2 * LANES;
 /// closed up with others.
 const MANY: u32 = 8;
 
+/// Lanes that begin from one predecessor where the nearest will do for all of them.
+const SHARED: i32 = 4 * LANES as i32;
+
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
 
@@ -312,13 +315,14 @@ impl<'a, L: Lanes> March<'a, L> {
         slope: [f64; 2],
         [first, last]: [i32; 2],
         steepest: f64,
+        most: usize,
     ) -> Option<Predecessor> {
         let ends = [first, last].map(|lane| self.directions.at(step, lane));
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
         let Directions {
             step: u, lane: v, ..
         } = self.directions;
-        for steps in 1..=MEMORY.min(step as usize) - usize::from(MEMORY <= step as usize) {
+        for steps in 1..=most.min(step as usize) {
             let lanes = (slope * steps as f64).round();
             let to = lanes * v - steps as f64 * u;
             let mut rise = f64::INFINITY;
@@ -557,6 +561,7 @@ impl<'a, L: Lanes> March<'a, L> {
         let (mut low_end, mut high_end) = (waves[0].low.len(), waves[0].high.len());
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
+        let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
@@ -604,12 +609,22 @@ impl<'a, L: Lanes> March<'a, L> {
             }
             let mut fresh = ok;
             let mut departed = 0;
-            let ends = [first, first + count - 1];
-            let steepest = match across {
-                Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
-                None => self.steepest[0],
-            };
-            if let Some(before) = self.predecessor(step, towards, ends, steepest) {
+            if across.is_none() && in_chunk.is_multiple_of(SHARED as usize) {
+                let ends = [first, lanes[1].min(first + SHARED) - 1];
+                shared = self.predecessor(step, towards, ends, self.steepest[0], 1);
+            }
+            let before = shared.or_else(
+                #[inline(always)]
+                || {
+                    let ends = [first, first + count - 1];
+                    let steepest = match across {
+                        Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
+                        None => self.steepest[0],
+                    };
+                    self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+                },
+            );
+            if let Some(before) = before {
                 let before_step = step - before.steps as u32;
                 let lanes = scratch.lanes[before_step as usize % MEMORY];
                 // Those whose predecessors are the sector's.
