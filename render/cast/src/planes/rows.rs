@@ -203,7 +203,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
             l.vectorize(
                 #[inline(always)]
-                || march.set_out(step, chunk, scratch, tally),
+                || march.set_out(step, chunk, canvas, scratch, tally),
             );
             if frame.detail.is_none() {
                 march.depart(step, chunk, scratch);
@@ -423,13 +423,6 @@ impl<'a, L: Lanes> March<'a, L> {
                     advance: &scratch.advance[numbers.clone()],
                     slope: &scratch.slope[numbers],
                 };
-                scratch.pixels.prefetch(
-                    self.l,
-                    canvas,
-                    self.sector,
-                    step,
-                    [first, first + count as i32],
-                );
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
             }
@@ -531,7 +524,14 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
     #[inline(always)]
-    fn set_out<T: Tally>(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
+    fn set_out<T: Tally>(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
         let l = self.l;
         let zero = l.splat(0.0);
         let one = l.splat(1.0);
@@ -566,6 +566,11 @@ impl<'a, L: Lanes> March<'a, L> {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
             let all = l.mask(first_lanes(count));
+            // A few lines a group, long before they are written: many at once are waited for.
+            let pixels = [first, first + count];
+            scratch
+                .pixels
+                .prefetch(l, canvas, self.sector, step, pixels);
             let d = self.directions.at(step, first);
             let major = l.max(l.add(l.splat(d.x as f32), v_major), steep);
             let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
