@@ -36,6 +36,12 @@ impl<'a> Canvas<'a> {
         self.depth[at].store(depth.to_bits(), Ordering::Relaxed);
     }
 
+    /// The first pixel of the first row with which a cache line of colours begins.
+    pub(crate) fn line_begin(&self) -> u32 {
+        let past = self.colour.as_ptr().addr() / size_of::<u32>() % LANES;
+        ((LANES - past) % LANES) as u32
+    }
+
     /// Asks for the memory of pixels side by side from (i, j) on, to be written soon.
     #[inline(always)]
     pub(crate) fn prefetch<L: Lanes>(&self, l: L, [i, j]: [u32; 2], count: usize) {

@@ -480,10 +480,10 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &SlabView<'_, T>, at: I) {
+    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: I) {
         let mut memory = InMemory([0; LANES]);
         let places = memory.store(at);
-        for k in (0..LANES).step_by(4) {
+        for k in (0..LANES).step_by(EVERY) {
             let place = items.as_ptr().wrapping_add(places.lane(k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }

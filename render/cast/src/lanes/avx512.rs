@@ -4,7 +4,8 @@ use super::{LANES, Lanes};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
-/// The proof that the processor has AVX-512 F, BW, DQ and VL.
+/// The proof that the processor has AVX-512 F, BW, DQ and VL, and the instructions on bits that
+/// came before them.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx512(());
 
@@ -14,7 +15,10 @@ impl Avx512 {
         (is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl"))
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt"))
         .then_some(Self(()))
     }
 }
@@ -27,7 +31,7 @@ macro_rules! on_values {
     };
 }
 
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline(never)]
 fn run<R>(work: impl FnOnce() -> R) -> R {
     work()
@@ -40,7 +44,7 @@ type Pairs = [__m512i; 2];
 ///
 /// # Safety
 /// Eight bytes can be read at each.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 unsafe fn pairs(address: impl Fn(usize) -> *const u8) -> Pairs {
     macro_rules! quarter {
@@ -104,9 +108,42 @@ fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
     }
 }
 
+/// The four bytes from each lane's place on: faster one by one than the instruction that gathers.
+///
+/// # Safety
+/// Four bytes can be read from each place on.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
+#[inline]
+unsafe fn singles<T>(items: &SlabView<'_, T>, at: __m512i) -> __m512i {
+    let mut memory = InMemory([0; LANES]);
+    let places = memory.store(at);
+    let from = items.as_ptr();
+    // SAFETY: the caller's promise.
+    let four = |lane: usize| unsafe {
+        from.wrapping_add(places.lane(lane))
+            .cast::<i32>()
+            .read_unaligned()
+    };
+    macro_rules! quarter {
+        ($k:expr) => {{
+            let one = _mm_cvtsi32_si128(four($k));
+            let two = _mm_insert_epi32::<1>(one, four($k + 1));
+            let three = _mm_insert_epi32::<2>(two, four($k + 2));
+            _mm_insert_epi32::<3>(three, four($k + 3))
+        }};
+    }
+    macro_rules! half {
+        ($k:expr) => {{
+            let low = _mm256_castsi128_si256(quarter!($k));
+            _mm256_inserti128_si256::<1>(low, quarter!($k + 4))
+        }};
+    }
+    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(half!(0)), half!(8))
+}
+
 /// Blends sixteen lanes' four texels: a southern and a northern row of neighbours, lanes 0 to 7 and
 /// 8 to 15 each.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m512) -> __m512i {
     let scale = _mm512_set1_ps(32767.0);
@@ -155,7 +192,7 @@ fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m5
 }
 
 /// Columns for rows: within quarters of registers first, then whole quarters.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn transposed(rows: [__m512i; LANES]) -> [__m512i; LANES] {
     let mut pairs = rows;
@@ -379,10 +416,10 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &SlabView<'_, T>, at: __m512i) {
+    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: __m512i) {
         let mut memory = InMemory([0; LANES]);
         let places = memory.store(at);
-        for k in (0..LANES).step_by(4) {
+        for k in (0..LANES).step_by(EVERY) {
             let place = items.as_ptr().wrapping_add(places.lane(k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }
@@ -456,8 +493,7 @@ impl Lanes for Avx512 {
         // SAFETY: four bytes can be read from each place on.
         unsafe {
             let last = _mm512_set1_epi32(last);
-            let pairs =
-                _mm512_i32gather_epi32::<2>(_mm512_min_epu32(at, last), numbers.as_ptr().cast());
+            let pairs = singles(numbers, _mm512_min_epu32(at, last));
             let wanted = _mm512_and_si512(pairs, _mm512_set1_epi32(0xffff));
             let behind = _mm512_cmpgt_epu32_mask(at, last);
             _mm512_mask_srli_epi32::<16>(wanted, behind, pairs)

@@ -98,8 +98,8 @@ pub(crate) trait Lanes: Copy {
 
     /// Asks for the memory of an item, to be written soon.
     fn prefetch_write<T>(self, items: &[T], at: usize);
-    /// Asks for the memory of every fourth lane's place, to be read soon.
-    fn prefetch<T>(self, items: &SlabView<'_, T>, at: Self::I);
+    /// Asks for the memory of the places of every `EVERY`-th lane, to be read soon.
+    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: Self::I);
     /// Columns for rows.
     fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
 

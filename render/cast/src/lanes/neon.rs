@@ -457,10 +457,10 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &SlabView<'_, T>, at: I) {
+    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: I) {
         let mut places = [0; LANES];
         self.store_i(at, &mut places);
-        for k in (0..LANES).step_by(4) {
+        for k in (0..LANES).step_by(EVERY) {
             let place = items.as_ptr().wrapping_add(places[k] as u32 as usize);
             // SAFETY: asking for memory that there is not does nothing.
             unsafe {

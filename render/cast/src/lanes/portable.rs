@@ -243,7 +243,7 @@ impl Lanes for Portable {
     fn prefetch_write<T>(self, _: &[T], _: usize) {}
 
     #[inline(always)]
-    fn prefetch<T>(self, _: &SlabView<'_, T>, _: I) {}
+    fn prefetch<T, const EVERY: usize>(self, _: &SlabView<'_, T>, _: I) {}
 
     #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {

@@ -368,7 +368,8 @@ each_isa! {
         let (slab, slots) = slots(2, 8, |k| k as f32);
         let view = SlabView::new(&slab, &slots);
         for at in [0, 15, 16, -1, i32::MAX, i32::MIN] {
-            l.prefetch(&view, l.splat_i(at));
+            l.prefetch::<_, 4>(&view, l.splat_i(at));
+            l.prefetch::<_, 1>(&view, l.splat_i(at));
             l.prefetch_write(&slots[0], at as u32 as usize);
         }
     }

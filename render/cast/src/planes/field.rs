@@ -136,11 +136,7 @@ impl Axis {
         let cell = l.to_int(l.add(along, l.splat(self.fraction)));
         let cell = l.min_i(cell, l.splat_i(self.cells[1]));
         // Rays do not run backwards: only those from off the ground can round to before it.
-        if self.cells[0] > 0 {
-            l.max_i(cell, l.splat_i(self.cells[0]))
-        } else {
-            cell
-        }
+        l.max_i(cell, l.splat_i(self.cells[0]))
     }
 
     /// How far into mirrored cell `cell` lies what is `along` from the eye: in the ground's own
@@ -198,6 +194,9 @@ pub(super) struct Field<'a> {
     pub(super) near: f32,
     /// Where the ground ends, in cells from the eye along major and minor axis.
     pub(super) ends: [f32; 2],
+    /// Where the ground is too large for a core's own caches: how far behind a cell's place its
+    /// corner lies that rays reach last, for which they ask before they read the cell.
+    pub(super) ahead: Option<i32>,
 }
 
 impl<'a> Field<'a> {

@@ -10,6 +10,9 @@ use glam::DVec3;
 use sandtable_terrain::{Ground, TiledRaster};
 use sandtable_view::View;
 
+/// Posts that stay in a core's own caches with their colours.
+const SMALL: i32 = 1 << 18;
+
 /// The ground at one resolution.
 pub(super) struct Level<'a> {
     pub(super) heights: Tiles<'a, f32>,
@@ -41,6 +44,12 @@ impl<'a> Level<'a> {
             code_step: maxima.step,
             cells: [heights.cols() as i32 - 1, heights.rows() as i32 - 1],
         }
+    }
+
+    /// Whether it is too large, with its colours, for a core's own caches.
+    pub(super) fn is_large(&self) -> bool {
+        let [across, along] = self.cells;
+        across.saturating_mul(along) > SMALL
     }
 }
 

@@ -3,7 +3,6 @@
 use super::sectors::Sector;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
-use std::ops::Range;
 
 /// Steps that are kept until their pixels are written, where steps are columns of the image: its
 /// rows get whole runs of pixels then, instead of one here and one there.
@@ -18,21 +17,36 @@ pub(super) struct PixelBlock {
     /// The lanes of the steps kept, and the first of these steps.
     lanes: Vec<[i32; 2]>,
     first_step: u32,
+    /// What to add to a step for the slot that it is kept in: the last slot is the last that a
+    /// cache line of the image has.
+    shift: u32,
 }
 
 impl PixelBlock {
     /// Makes ready for a sector with so many lanes.
-    pub(super) fn begin(&mut self, width: usize) {
+    pub(super) fn begin(&mut self, canvas: &Canvas<'_>, sector: &Sector, width: usize) {
         self.width = width;
+        let column = sector.image_step(0).wrapping_sub(canvas.line_begin());
+        self.shift = if sector.direction > 0 {
+            column
+        } else {
+            !column
+        } % STEPS as u32;
         let size = self.colours.len().max(width * STEPS);
         self.colours.resize(size, 0);
         self.depths.resize(size, 0.0);
         self.lanes.clear();
     }
 
+    /// Where among the steps kept at once a step lies.
+    fn slot(&self, step: u32) -> usize {
+        (step + self.shift) as usize % STEPS
+    }
+
     /// Asks for the memory of the pixels of a step, or of a sixteenth of the rows of sixteen.
     #[inline(always)]
     pub(super) fn prefetch<L: Lanes>(
+        &self,
         l: L,
         canvas: &Canvas<'_>,
         sector: &Sector,
@@ -44,7 +58,7 @@ impl PixelBlock {
             canvas.prefetch(l, [lanes[0] as u32, at], (lanes[1] - lanes[0]) as usize);
             return;
         }
-        let first = lanes[0] + step as i32 % STEPS as i32;
+        let first = lanes[0] + self.slot(step) as i32;
         for lane in (first..lanes[1]).step_by(STEPS) {
             canvas.prefetch(l, [at, lane as u32], 1);
         }
@@ -52,7 +66,7 @@ impl PixelBlock {
 
     /// Where a step's numbers go, from lane `first` on.
     pub(super) fn lanes_mut(&mut self, step: u32, first: i32) -> (&mut [i32], &mut [f32]) {
-        let begin = step as usize % STEPS * self.width;
+        let begin = self.slot(step) * self.width;
         let lanes = begin + first as usize..begin + self.width;
         (&mut self.colours[lanes.clone()], &mut self.depths[lanes])
     }
@@ -68,7 +82,7 @@ impl PixelBlock {
     ) {
         if sector.step_axis == 1 {
             if lanes[0] < lanes[1] {
-                let begin = step as usize % STEPS * self.width;
+                let begin = self.slot(step) * self.width;
                 let numbers = begin + lanes[0] as usize..begin + lanes[1] as usize;
                 let pixel = [lanes[0] as u32, sector.image_step(step)];
                 // SAFETY: each pixel belongs to one sector, and a sector to one thread.
@@ -83,7 +97,7 @@ impl PixelBlock {
             self.first_step = step;
         }
         self.lanes.push(lanes);
-        if step as usize % STEPS == STEPS - 1 {
+        if self.slot(step) == STEPS - 1 {
             self.finish(l, canvas, sector);
         }
     }
@@ -101,88 +115,106 @@ impl PixelBlock {
     fn write<L: Lanes>(&self, l: L, canvas: &Canvas<'_>, sector: &Sector) {
         let from = self.lanes.iter().map(|lanes| lanes[0]).min().unwrap_or(0);
         let to = self.lanes.iter().map(|lanes| lanes[1]).max().unwrap_or(0);
-        let count = self.lanes.len();
-        let has = |lane: i32| move |lanes: &[i32; 2]| (lanes[0]..lanes[1]).contains(&lane);
-        let mut lane = from;
-        while lane < to {
+        for lane in (from..to).step_by(LANES) {
             let last = lane + LANES as i32 - 1;
-            let whole = |lanes: &[i32; 2]| has(lane)(lanes) && has(last)(lanes);
-            if count == STEPS && self.lanes.iter().all(whole) {
-                self.write_square(l, canvas, sector, lane);
-                lane = last + 1;
-                continue;
+            let whole = |lanes: &[i32; 2]| lanes[0] <= lane && last < lanes[1];
+            let rows = self.rows(l, sector, lane);
+            if self.lanes.len() == STEPS && self.lanes.iter().all(whole) {
+                let left = self.left(sector, 0, STEPS);
+                for (k, [colours, depths]) in rows.iter().enumerate() {
+                    // SAFETY: each pixel belongs to one sector, and a sector to one thread.
+                    #[allow(unsafe_code, reason = "as `Canvas::set_group` says")]
+                    unsafe {
+                        canvas.set_group([left, lane as u32 + k as u32], colours, depths);
+                    }
+                }
+            } else {
+                self.write_part(l, canvas, sector, lane, &rows);
             }
-            // The steps that have this lane: one run, as a sector is convex.
-            let begin = self.lanes.iter().position(has(lane)).unwrap_or(count);
-            let end = count - self.lanes.iter().rev().position(has(lane)).unwrap_or(count);
-            if begin < end {
-                self.write_row(canvas, sector, lane, begin..end);
-            }
-            lane += 1;
         }
     }
 
-    /// Where the numbers of the k-th step kept, counted in the image's order from `steps.start`
-    /// on, lie for `lane`.
-    fn place(&self, sector: &Sector, lane: i32, steps: &Range<usize>, k: usize) -> usize {
-        let k = if sector.direction > 0 {
-            steps.start + k
-        } else {
-            steps.end - 1 - k
-        };
-        (self.first_step as usize + k) % STEPS * self.width + lane as usize
-    }
-
-    /// Writes one row's pixels of some steps.
-    fn write_row(&self, canvas: &Canvas<'_>, sector: &Sector, lane: i32, steps: Range<usize>) {
-        let mut colours = [0; STEPS];
-        let mut depths = [0.0; STEPS];
-        let count = steps.len();
-        for k in 0..count {
-            let at = self.place(sector, lane, &steps, k);
-            colours[k] = self.colours[at];
-            depths[k] = self.depths[at];
-        }
-        let pixel = [self.left(sector, &steps), lane as u32];
-        // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-        #[allow(unsafe_code, reason = "as `Canvas::set_row` says")]
-        unsafe {
-            canvas.set_row(pixel, &colours[..count], &depths[..count]);
-        }
-    }
-
-    /// The image's leftmost column among some steps.
-    fn left(&self, sector: &Sector, steps: &Range<usize>) -> u32 {
-        let leftmost = if sector.direction > 0 {
-            steps.start
-        } else {
-            steps.end - 1
-        };
-        sector.image_step(self.first_step + leftmost as u32)
-    }
-
-    /// Writes the pixels of all steps in as many lanes.
+    /// Colours and depths of all steps' pixels in as many lanes from `lane` on: a row of the image
+    /// for each lane, whether its pixels are there or not.
     #[inline(always)]
-    fn write_square<L: Lanes>(&self, l: L, canvas: &Canvas<'_>, sector: &Sector, lane: i32) {
-        let steps = 0..STEPS;
-        let left = self.left(sector, &steps);
+    fn rows<L: Lanes>(&self, l: L, sector: &Sector, lane: i32) -> [[[i32; STEPS]; 2]; LANES] {
         let (mut colours, mut depths) = ([l.splat_i(0); STEPS], [l.splat_i(0); STEPS]);
         for k in 0..STEPS {
-            let at = self.place(sector, lane, &steps, k);
+            let slot = if sector.direction > 0 {
+                k
+            } else {
+                STEPS - 1 - k
+            };
+            let at = slot * self.width + lane as usize;
             colours[k] = l.load_i(group(&self.colours, at));
             depths[k] = l.load_i(group(bytemuck::cast_slice(&self.depths), at));
         }
         let (colours, depths) = (l.transpose(colours), l.transpose(depths));
-        for k in 0..LANES {
-            let (mut colour, mut depth) = ([0; LANES], [0; LANES]);
-            l.store_i(colours[k], &mut colour);
-            l.store_i(depths[k], &mut depth);
+        let mut rows = [[[0; STEPS]; 2]; LANES];
+        for (k, [colour, depth]) in rows.iter_mut().enumerate() {
+            l.store_i(colours[k], colour);
+            l.store_i(depths[k], depth);
+        }
+        rows
+    }
+
+    /// Writes those of a square's pixels that are there.
+    #[inline(always)]
+    fn write_part<L: Lanes>(
+        &self,
+        l: L,
+        canvas: &Canvas<'_>,
+        sector: &Sector,
+        lane: i32,
+        rows: &[[[i32; STEPS]; 2]; LANES],
+    ) {
+        let numbers = l.load_i(&std::array::from_fn(|k| lane + k as i32));
+        // The steps that have each lane: one run, as a sector is convex.
+        let (mut begins, mut ends) = (l.splat_i(STEPS as i32), l.splat_i(0));
+        for (k, lanes) in self.lanes.iter().enumerate() {
+            let off = l.or(
+                l.gt_i(l.splat_i(lanes[0]), numbers),
+                l.gt_i(numbers, l.splat_i(lanes[1] - 1)),
+            );
+            let step = l.splat_i(k as i32);
+            begins = l.min_i(begins, l.select_i(off, begins, step));
+            ends = l.select_i(off, ends, l.splat_i(k as i32 + 1));
+        }
+        let (mut first, mut behind) = ([0; LANES], [0; LANES]);
+        l.store_i(begins, &mut first);
+        l.store_i(ends, &mut behind);
+        let before = self.slot(self.first_step);
+        for (k, [colours, depths]) in rows.iter().enumerate() {
+            let (first, behind) = (first[k] as usize, behind[k] as usize);
+            if first >= behind {
+                continue;
+            }
+            let pixels = if sector.direction > 0 {
+                before + first..before + behind
+            } else {
+                STEPS - before - behind..STEPS - before - first
+            };
+            let pixel = [self.left(sector, first, behind), lane as u32 + k as u32];
             // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-            #[allow(unsafe_code, reason = "as `Canvas::set_group` says")]
+            #[allow(unsafe_code, reason = "as `Canvas::set_row` says")]
             unsafe {
-                canvas.set_group([left, lane as u32 + k as u32], &colour, &depth);
+                canvas.set_row(
+                    pixel,
+                    &colours[pixels.clone()],
+                    bytemuck::cast_slice(&depths[pixels]),
+                );
             }
         }
+    }
+
+    /// The image's leftmost column among the kept steps from the `first`-th to before another.
+    fn left(&self, sector: &Sector, first: usize, behind: usize) -> u32 {
+        let leftmost = if sector.direction > 0 {
+            first
+        } else {
+            behind - 1
+        };
+        sector.image_step(self.first_step + leftmost as u32)
     }
 }
 

@@ -15,7 +15,7 @@ use super::maxima::TOP;
 use super::pixels::PixelBlock;
 use super::sectors::Sector;
 use super::shade::{Chunk, Shader, Shading};
-use super::walk::{Passage, walk};
+use super::walk::{Departure, Passage, Step, depart, walk};
 use super::wave::{CHUNK, Ray, Wave};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
@@ -37,6 +37,7 @@ pub(super) struct Scratch {
     slope: Vec<f32>,
     /// The rays on their way over each of the ground's resolutions.
     waves: Vec<Waves>,
+    departure: Box<Departure>,
     passage: Box<Passage>,
     shading: Box<Shading>,
     /// Colours and depths of the last steps.
@@ -58,7 +59,7 @@ impl Waves {
 
 impl Scratch {
     /// Makes ready for a sector; gives the numbers a step.
-    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector) -> usize {
+    fn begin(&mut self, frame: &Frame<'_>, sector: &Sector, canvas: &Canvas<'_>) -> usize {
         let width = frame.rays.size[1 - sector.step_axis] as usize;
         // A power of two, so that the step of a ray is quickly told from where its number lies.
         let room = (width + 2 * MARGIN + LANES).next_power_of_two();
@@ -73,13 +74,20 @@ impl Scratch {
         for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
             numbers.resize(numbers.len().max(room * MEMORY), 0.0);
         }
-        self.pixels.begin(width + MARGIN);
+        self.pixels.begin(canvas, sector, width + MARGIN);
         room
     }
 }
 
 /// Rays that may stay on their way while the next step begins: low and high ones each.
 const UNFINISHED: usize = 2 * LANES;
+
+/// Rays of a group that set out low from which on they go through their first cell as they are, not
+/// closed up with others.
+const MANY: u32 = 8;
+
+/// Lanes that begin from one predecessor where the nearest will do for all of them.
+const SHARED: i32 = 4 * LANES as i32;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 const MARGIN: usize = 2 * LANES;
@@ -177,7 +185,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
-    let room = scratch.begin(frame, sector);
+    let room = scratch.begin(frame, sector, canvas);
     let march = March::new(l, frame, sector, room);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
@@ -195,8 +203,11 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
             l.vectorize(
                 #[inline(always)]
-                || march.set_out(step, chunk, scratch, tally),
+                || march.set_out(step, chunk, canvas, scratch, tally),
             );
+            if frame.detail.is_none() {
+                march.depart(step, chunk, scratch);
+            }
             march.go_on(scratch, UNFINISHED, tally);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
@@ -236,6 +247,15 @@ impl<'a, L: Lanes> March<'a, L> {
                 scale: scale as f32,
                 near: frame.near * scale as f32,
                 ends: [0.0; 2],
+                ahead: ground.is_large().then(|| {
+                    let [x, y] = if sector.major == 0 {
+                        sector.signs
+                    } else {
+                        [sector.signs[1], sector.signs[0]]
+                    };
+                    let north = if y > 0 { ground.heights.stride } else { 0 };
+                    i32::from(x > 0) + north as i32
+                }),
             }
         };
         let mut fields: Vec<_> = (0..frame.levels.len()).map(field).collect();
@@ -295,13 +315,14 @@ impl<'a, L: Lanes> March<'a, L> {
         slope: [f64; 2],
         [first, last]: [i32; 2],
         steepest: f64,
+        most: usize,
     ) -> Option<Predecessor> {
         let ends = [first, last].map(|lane| self.directions.at(step, lane));
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
         let Directions {
             step: u, lane: v, ..
         } = self.directions;
-        for steps in 1..=MEMORY.min(step as usize) - usize::from(MEMORY <= step as usize) {
+        for steps in 1..=most.min(step as usize) {
             let lanes = (slope * steps as f64).round();
             let to = lanes * v - steps as f64 * u;
             let mut rise = f64::INFINITY;
@@ -403,13 +424,6 @@ impl<'a, L: Lanes> March<'a, L> {
                     advance: &scratch.advance[numbers.clone()],
                     slope: &scratch.slope[numbers],
                 };
-                PixelBlock::prefetch(
-                    self.l,
-                    canvas,
-                    self.sector,
-                    step,
-                    [first, first + count as i32],
-                );
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
             }
@@ -418,6 +432,26 @@ impl<'a, L: Lanes> March<'a, L> {
                 .finish_step(self.l, canvas, self.sector, step, lanes);
         }
         to.max(from)
+    }
+
+    /// Leads a chunk's rays that set out low through their first cells.
+    fn depart(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
+        let Waves { low, high } = &mut scratch.waves[0];
+        depart(
+            self.l,
+            &self.fields[0],
+            &scratch.departure,
+            &Step {
+                first: self.slot(step) + MARGIN + lanes[0] as usize,
+                count: (lanes[1] - lanes[0]) as usize,
+                advance: &scratch.advance,
+                slope: &scratch.slope,
+            },
+            low,
+            high,
+            &mut scratch.passage,
+            &mut scratch.reached,
+        );
     }
 
     /// Leads rays on until no more than `unfinished` of them are on their way low, and as many
@@ -491,7 +525,14 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
     #[inline(always)]
-    fn set_out<T: Tally>(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
+    fn set_out<T: Tally>(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
         let l = self.l;
         let zero = l.splat(0.0);
         let one = l.splat(1.0);
@@ -521,10 +562,16 @@ impl<'a, L: Lanes> March<'a, L> {
         let (mut low_end, mut high_end) = (waves[0].low.len(), waves[0].high.len());
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
+        let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
             let all = l.mask(first_lanes(count));
+            // A few lines a group, long before they are written: many at once are waited for.
+            let pixels = [first, first + count];
+            scratch
+                .pixels
+                .prefetch(l, canvas, self.sector, step, pixels);
             let d = self.directions.at(step, first);
             let major = l.max(l.add(l.splat(d.x as f32), v_major), steep);
             let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
@@ -551,6 +598,8 @@ impl<'a, L: Lanes> March<'a, L> {
             // Until something is found: the ray has left the ground.
             let nothing = l.sub(zero, l.max(leave, tiny));
             l.store(nothing, group_mut(&mut scratch.reached, at));
+            let in_chunk = (first - lanes[0]) as usize;
+            scratch.departure.clear(in_chunk);
             let ray = Ray {
                 advance,
                 inverse,
@@ -565,12 +614,23 @@ impl<'a, L: Lanes> March<'a, L> {
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             let mut fresh = ok;
-            let ends = [first, first + count - 1];
-            let steepest = match across {
-                Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
-                None => self.steepest[0],
-            };
-            if let Some(before) = self.predecessor(step, towards, ends, steepest) {
+            let mut departed = 0;
+            if across.is_none() && in_chunk.is_multiple_of(SHARED as usize) {
+                let ends = [first, lanes[1].min(first + SHARED) - 1];
+                shared = self.predecessor(step, towards, ends, self.steepest[0], 1);
+            }
+            let before = shared.or_else(
+                #[inline(always)]
+                || {
+                    let ends = [first, first + count - 1];
+                    let steepest = match across {
+                        Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
+                        None => self.steepest[0],
+                    };
+                    self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+                },
+            );
+            if let Some(before) = before {
                 let before_step = step - before.steps as u32;
                 let lanes = scratch.lanes[before_step as usize % MEMORY];
                 // Those whose predecessors are the sector's.
@@ -594,7 +654,12 @@ impl<'a, L: Lanes> March<'a, L> {
                     } = &mut waves[0];
                     let high = l.and(known, l.lt(near_limit, over));
                     let low = l.and_not(known, high);
-                    low_end = near.put(l, low_end, low, &ray, start, cell);
+                    if l.bits(low).count_ones() >= MANY {
+                        scratch.departure.put(l, in_chunk, low, &ray, start, cell);
+                        departed = l.bits(low);
+                    } else {
+                        low_end = near.put(l, low_end, low, &ray, start, cell);
+                    }
                     if l.bits(high) != 0 {
                         let level = level_for(l, l.mul(over, inverse_near));
                         high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
@@ -618,6 +683,9 @@ impl<'a, L: Lanes> March<'a, L> {
             }
             for _ in 0..count {
                 tally.ray();
+            }
+            for lane in (0..LANES).filter(|lane| departed >> lane & 1 != 0) {
+                tally.cells(&[(at + lane) as i32]);
             }
         }
         if self.frame.detail.is_none() {

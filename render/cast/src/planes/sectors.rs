@@ -69,20 +69,29 @@ impl Sector {
         let (mut from, mut to) = (0, self.width);
         for side in &self.sides {
             let slope = side.line.along[lane_axis];
+            let by_step = side.line.along[self.step_axis] * step;
+            // `Line::at`, to the last bit.
             let holds = |lane: i32| {
-                let mut place = [step; 2];
-                place[lane_axis] = f64::from(lane);
-                (side.line.at(place) >= 0.0) == side.positive
+                let by_lane = slope * f64::from(lane);
+                let value = if lane_axis == 0 {
+                    (side.line.at_origin + by_lane) + by_step
+                } else {
+                    (side.line.at_origin + by_step) + by_lane
+                };
+                (value >= 0.0) == side.positive
             };
-            if slope == 0.0 {
-                if !holds(0) {
-                    return [0, 0];
-                }
+            // Sides run straight: one that holds for the outer pixels cuts nothing off.
+            if from >= to || (holds(from) && holds(to - 1)) {
                 continue;
             }
-            let value = side.line.at_origin + side.line.along[self.step_axis] * step;
-            let at = (-value / slope).ceil();
-            let mut at = at.clamp(0.0, f64::from(self.width)) as i32;
+            if slope == 0.0 {
+                return [0, 0];
+            }
+            let value = side.line.at_origin + by_step;
+            // About where the side changes, from which the next lines go on; not rounded up but
+            // moved by a pixel, as the first takes a call without an instruction for it.
+            let at = (-value / slope).clamp(0.0, f64::from(self.width - 1)) as i32 + 1;
+            let mut at = at.clamp(0, self.width);
             // A pixel belongs to that side where its own value is, whichever way it is asked for.
             let begins = (slope > 0.0) == side.positive;
             while at > 0 && holds(at - 1) == begins {
@@ -139,14 +148,23 @@ impl Part {
             signs: self.signs.clone(),
         };
         part.signs.push(side.positive);
-        if self
-            .corners
-            .iter()
-            .any(|&corner| value(corner) < 2.0 * slack)
-        {
-            part.sides.push(side);
-        }
+        part.sides.push(side);
         (!part.corners.is_empty()).then_some(part)
+    }
+
+    /// The sides that cut off pixels, those first that do so in most steps.
+    fn ordered_sides(&self) -> Vec<Side> {
+        let touched = |side: &Side| {
+            let sign = if side.positive { 1.0 } else { -1.0 };
+            let slack = side.line.along[0].abs() + side.line.along[1].abs();
+            // Corners lie a pixel outside, where sides make them.
+            let touches = |&&corner: &&[f64; 2]| sign * side.line.at(corner) < slack;
+            self.corners.iter().filter(touches).count()
+        };
+        let mut sides = self.sides.clone();
+        sides.retain(|side| touched(side) > 0);
+        sides.sort_by_key(|side| std::cmp::Reverse(touched(side)));
+        sides
     }
 
     fn range(&self, axis: usize) -> [f64; 2] {
@@ -272,7 +290,7 @@ impl ImageRays {
                     steps: (high - low + 1) as u32,
                     major,
                     signs,
-                    sides: part.sides.clone(),
+                    sides: part.ordered_sides(),
                     width: self.size[1 - step_axis] as i32,
                 });
             }

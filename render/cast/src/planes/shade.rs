@@ -263,9 +263,6 @@ pub(super) struct Shader<'a> {
 /// How many cells ahead of a hit memory is asked for.
 const AHEAD: f32 = 10.0;
 
-/// Posts and colours of which grounds stay in a core's own cache.
-const SMALL: usize = 1 << 18;
-
 impl<'a> Shader<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, sector: &'a Sector, field: &'a Field<'a>) -> Self {
         let [x, y] = field.x_y().map(|axis| axis.sign);
@@ -295,7 +292,7 @@ impl<'a> Shader<'a> {
             tints: Tints::new(frame.ground),
             textures,
             blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
-            large: frame.levels[0].heights.items.len() > 2 * SMALL,
+            large: frame.levels[0].is_large(),
         }
     }
 
@@ -320,7 +317,7 @@ impl<'a> Shader<'a> {
             let t = l.add(reached, l.splat(AHEAD + row as f32));
             let t = l.select(hit, t, none);
             let place = self.field.place(l, self.field.cell_at(l, t, advance));
-            l.prefetch(&self.field.heights.items, place);
+            l.prefetch::<_, 4>(&self.field.heights.items, place);
             if let Some(photo) = &self.photo {
                 let aside = l.mul(t, advance);
                 let advances = if self.sector.major == 0 {
@@ -330,7 +327,7 @@ impl<'a> Shader<'a> {
                 };
                 let (x, _, _) = photo.x.locate(l, advances[0]);
                 let (y, _, _) = photo.y.locate(l, advances[1]);
-                l.prefetch(&photo.tiles.items, photo.tiles.place(l, x, y));
+                l.prefetch::<_, 4>(&photo.tiles.items, photo.tiles.place(l, x, y));
             }
         }
     }
@@ -522,7 +519,7 @@ impl<'a> Shader<'a> {
                         l.store(half.east, wave::group_mut(&mut to.east, at));
                         l.store(half.north, wave::group_mut(&mut to.north, at));
                         if self.large {
-                            l.prefetch(&texture.frame.tiles.items, half.at);
+                            l.prefetch::<_, 4>(&texture.frame.tiles.items, half.at);
                         }
                     }
                 }

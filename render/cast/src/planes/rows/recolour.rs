@@ -52,7 +52,7 @@ pub(in crate::planes) fn recolour_sector<L: Lanes>(
     scratch: &mut Scratch,
     canvas: &Canvas<'_>,
 ) {
-    let room = scratch.begin(frame, sector);
+    let room = scratch.begin(frame, sector, canvas);
     let march = March::new(l, frame, sector, room);
     let shader = Shader::new(frame, sector, &march.fields[0]);
     for step in 0..sector.steps {
@@ -63,7 +63,7 @@ pub(in crate::planes) fn recolour_sector<L: Lanes>(
         (known, reaches) = reaches.split_at(count);
         l.vectorize(
             #[inline(always)]
-            || march.aim(step, lanes, known, scratch),
+            || march.aim(step, lanes, known, canvas, scratch),
         );
         march.shade(&shader, canvas, scratch, step, step + 1);
     }
@@ -73,7 +73,14 @@ pub(in crate::planes) fn recolour_sector<L: Lanes>(
 impl<L: Lanes> March<'_, L> {
     /// Sets up the directions of a step's rays and lets them reach as far as is known.
     #[inline(always)]
-    fn aim(&self, step: u32, lanes: [i32; 2], reaches: &[f32], scratch: &mut Scratch) {
+    fn aim(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        reaches: &[f32],
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+    ) {
         let l = self.l;
         let (zero, one) = (l.splat(0.0), l.splat(1.0));
         let iota = l.load(&std::array::from_fn(|k| k as f32));
@@ -82,6 +89,10 @@ impl<L: Lanes> March<'_, L> {
         let [v_major, v_minor, v_up] = [v.x, v.y, v.z].map(|v| l.mul(l.splat(v as f32), iota));
         for (k, first) in (lanes[0]..lanes[1]).step_by(LANES).enumerate() {
             let at = self.slot(step) + MARGIN + first as usize;
+            let pixels = [first, lanes[1].min(first + LANES as i32)];
+            scratch
+                .pixels
+                .prefetch(l, canvas, self.sector, step, pixels);
             let d = self.directions.at(step, first);
             let major = l.max(l.add(l.splat(d.x as f32), v_major), steep);
             let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
