@@ -48,8 +48,8 @@ fn means(finer: &TiledRaster<f32>) -> impl Fn(u32, u32, &mut [f32]) {
 ///
 /// Post i of a level stands at post 2 i of the finer one, and is the mean of the posts around it by
 /// [−1 2 6 2 −1] / 8 along each axis: the filter that belongs to linear interpolation between posts
-/// (LeGall and Tabatabai 1988), under which ridges stay as high as a level can have them. No post
-/// is higher or lower than all ground.
+/// (LeGall and Tabatabai 1988), under which ridges stay as high as a level can have them. Beyond the
+/// border slopes go on; and no post is higher or lower than all ground.
 #[derive(Clone, Debug)]
 pub struct HeightPyramid {
     levels: Vec<TiledRaster<f32>>,
@@ -102,19 +102,48 @@ impl HeightPyramid {
     }
 }
 
+/// A post along a side as a sum of posts that there are: beyond the border slopes go on, so that
+/// what is even stays even up to there.
+fn continued(post: i64, last: i64) -> [(i64, f64); 2] {
+    let edge = post.clamp(0, last);
+    let mirrored = (2 * edge - post).clamp(0, last);
+    if post == edge {
+        [(post, 1.0), (post, 0.0)]
+    } else {
+        [(edge, 2.0), (mirrored, -1.0)]
+    }
+}
+
 /// Fills rows of the coarser level of a [`HeightPyramid`].
 fn sharp_means(finer: &TiledRaster<f32>, [low, high]: [f32; 2]) -> impl Fn(u32, u32, &mut [f32]) {
     const LENGTH: usize = 2 * TILE_CELLS as usize + 5;
     const WEIGHTS: [f64; 5] = [-0.125, 0.25, 0.75, 0.25, -0.125];
+    let last = [finer.cols(), finer.rows()].map(|posts| i64::from(posts) - 1);
     move |row, col, into| {
         let mut sum = [0.0; LENGTH];
         let mut posts = [0.0; LENGTH];
         let count = 2 * into.len() + 3;
+        let first = 2 * i64::from(col) - 2;
         for (row, weight) in (2 * i64::from(row) - 2..).zip(WEIGHTS) {
-            let posts = &mut posts[..count];
-            finer.copy_row(2 * i64::from(col) - 2, row, posts);
-            for (sum, &post) in sum.iter_mut().zip(&*posts) {
-                *sum += weight * f64::from(post);
+            for (row, part) in continued(row, last[1]) {
+                if part == 0.0 {
+                    continue;
+                }
+                let weight = part * weight;
+                let posts = &mut posts[..count];
+                finer.copy_row(first, row, posts);
+                for (sum, &post) in sum.iter_mut().zip(&*posts) {
+                    *sum += weight * f64::from(post);
+                }
+            }
+        }
+        for (at, col) in (0..count).zip(first..) {
+            if !(0..=last[0]).contains(&col) {
+                let parts = continued(col, last[0]).map(|(col, part)| {
+                    let at = (col - first).clamp(0, count as i64 - 1);
+                    part * sum[at as usize]
+                });
+                sum[at] = parts[0] + parts[1];
             }
         }
         for (to, around) in into.iter_mut().zip(sum.windows(5).step_by(2)) {
@@ -134,8 +163,15 @@ mod tests {
         let plane = TiledRaster::from_fn(1100, 900, |col, row| (3 * col + 5 * row) as f32);
         let pyramid = HeightPyramid::new(&plane, [0.0, 1e4]);
         for (level, heights) in pyramid.levels().iter().enumerate() {
-            let (x, y) = (heights.cols() / 2, heights.rows() / 2);
-            assert_eq!(heights.post(x, y), ((3 * x + 5 * y) << level) as f32);
+            let last = [heights.cols() - 1, heights.rows() - 1];
+            for (x, y) in [
+                (last[0] / 2, last[1] / 2),
+                (0, 0),
+                (last[0], 0),
+                (0, last[1]),
+            ] {
+                assert_eq!(heights.post(x, y), ((3 * x + 5 * y) << level) as f32);
+            }
         }
         assert_eq!(pyramid.levels().last().map(TiledRaster::cols), Some(10));
         let (edited, changed) = plane.edited(250..260, 500..520, |_, _, height| height + 70.0);

@@ -73,13 +73,8 @@ pub(in crate::planes) fn begins<'a>(
         let mut steps = Vec::with_capacity((to - from) as usize);
         for first in (from..to).step_by(LANES) {
             let last = (to - 1).min(first + LANES as i32 - 1);
-            let before = march.predecessor(
-                step,
-                towards,
-                [first, last],
-                march.steepest[0],
-                MEMORY - 1,
-            );
+            let before =
+                march.predecessor(step, towards, [first, last], march.steepest[0], MEMORY - 1);
             steps.extend((first..=last).map(|lane| {
                 let Some(before) = before else {
                     return 0;

@@ -1,0 +1,259 @@
+//! Level of detail of the default caster: calmer than one point a pixel, and nowhere worse.
+
+use glam::{DVec2, DVec3};
+use sandtable_cast::{CastPool, Image, Planes, Scene, caster_by_name, standpoints};
+use sandtable_terrain::{Ground, LinearLight, Photo, TiledRaster};
+use sandtable_view::{Attitude, Camera, View};
+use std::sync::Arc;
+
+fn hash(x: u32, y: u32) -> u32 {
+    let mut n = x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b);
+    n = (n ^ (n >> 15)).wrapping_mul(0x2c1b_3c6d);
+    (n ^ (n >> 12)).wrapping_mul(0x297a_2d39)
+}
+
+/// Noise in [−1, 1], smooth between points `size` apart.
+fn noise(x: f64, y: f64, size: f64) -> f64 {
+    let (x, y) = (x / size, y / size);
+    let at = |x: f64, y: f64| f64::from(hash(x as u32 + 7, y as u32 + 3) >> 8) / 8_388_608.0 - 1.0;
+    let blend = |a: f64, b: f64, share: f64| a + (b - a) * share * share * (3.0 - 2.0 * share);
+    let (u, v) = (x.fract(), y.fract());
+    let (x, y) = (x.floor(), y.floor());
+    let south = blend(at(x, y), at(x + 1.0, y), u);
+    let north = blend(at(x, y + 1.0), at(x + 1.0, y + 1.0), u);
+    blend(south, north, v)
+}
+
+/// Mountains of all sizes, a metre from post to post.
+fn mountains() -> Ground {
+    let height = |col: u32, row: u32| {
+        let octave = |k: i32| {
+            let size = 128.0 / f64::from(1 << k);
+            0.3 * size * noise(f64::from(col), f64::from(row), size)
+        };
+        (0..7).map(octave).sum::<f64>() as f32
+    };
+    Ground::from_fn(700, 600, DVec2::ONE, height).expect("a sound grid")
+}
+
+/// A photo with detail of all sizes, down to single pixels of half a metre.
+fn photo() -> Photo {
+    let pixel = |x: u32, y: u32| {
+        let fine = f64::from(hash(x, y) >> 24) - 128.0;
+        let coarse = 90.0 * noise(f64::from(x), f64::from(y), 31.0);
+        let level = (120.0 + 0.5 * fine + coarse).clamp(0.0, 255.0) as u8;
+        [level, level / 2 + 60, 200 - level / 2, 255]
+    };
+    Photo {
+        pixels: TiledRaster::from_fn(1400, 1200, pixel),
+        origin: DVec2::ZERO,
+        spacing: DVec2::splat(0.5),
+    }
+}
+
+fn cast(caster: &str, scene: &Arc<Scene>, views: &[View]) -> Vec<Image> {
+    let caster = caster_by_name(caster).expect("there is one");
+    let pool = CastPool::new(2).expect("threads");
+    let prepared = pool
+        .run(|| caster.prepare(Arc::clone(scene)))
+        .expect("suits");
+    let mut images = vec![Image::default(); views.len()];
+    pool.cast(&*prepared, views, &mut images).expect("accepted");
+    images
+}
+
+/// The mean colours of 8 × 8 rays a pixel, in linear light.
+fn truth(scene: &Arc<Scene>, view: &View) -> Vec<[u8; 4]> {
+    const SIDE: u32 = 8;
+    let right = (view.ray(1, 0).direction - view.ray(0, 0).direction) / f64::from(SIDE);
+    let down = (view.ray(0, 1).direction - view.ray(0, 0).direction) / f64::from(SIDE);
+    let shifted: Vec<_> = (0..SIDE * SIDE)
+        .map(|k| {
+            let middle = f64::from(SIDE - 1) / 2.0;
+            let [i, j] = [k % SIDE, k / SIDE].map(|at| f64::from(at) - middle);
+            let shift = right * i + down * j;
+            let mut view = *view;
+            view.window.upper_left += shift;
+            view.window.lower_left += shift;
+            view.window.lower_right += shift;
+            view
+        })
+        .collect();
+    let light = LinearLight::tables();
+    let images = cast("planes", scene, &shifted);
+    (0..images[0].colour().len())
+        .map(|at| {
+            let mean = |channel: usize| {
+                let light_of = |image: &Image| light.decode(image.colour()[at][channel]);
+                let sum: f32 = images.iter().map(light_of).sum();
+                light.encode(sum / images.len() as f32)
+            };
+            [mean(0), mean(1), mean(2), 255]
+        })
+        .collect()
+}
+
+/// The ratio of signal to noise in decibels.
+fn decibels(colours: &[[u8; 4]], truth: &[[u8; 4]]) -> f64 {
+    let error = |(a, b): (&[u8; 4], &[u8; 4])| {
+        let channel = |k: usize| (f64::from(a[k]) - f64::from(b[k])).powi(2);
+        channel(0) + channel(1) + channel(2)
+    };
+    let sum: f64 = colours.iter().zip(truth).map(error).sum();
+    10.0 * (255.0 * 255.0 * 3.0 * colours.len() as f64 / sum.max(1e-9)).log10()
+}
+
+fn camera(eye: DVec3, pitch: f64, size: [u32; 2]) -> View {
+    let attitude = Attitude {
+        yaw: 0.4,
+        pitch,
+        roll: 0.2,
+    };
+    let horizontal_fov = 1.0;
+    Camera {
+        eye,
+        attitude,
+        horizontal_fov,
+    }
+    .view(size)
+}
+
+/// Point sampling's and level of detail's decibels.
+fn compared(scene: &Arc<Scene>, view: View) -> [f64; 2] {
+    let truth = truth(scene, &view);
+    ["planes", Planes::WITH_DETAIL].map(|caster| {
+        let images = cast(caster, scene, &[view]);
+        decibels(images[0].colour(), &truth)
+    })
+}
+
+#[test]
+fn pixels_that_cover_much_are_nearer_to_the_truth() {
+    for (name, ground) in [
+        ("photo", mountains().with_photo(photo())),
+        ("tints", mountains()),
+    ] {
+        let scene = Scene::new(ground);
+        let views = [
+            camera(DVec3::new(60.0, 20.0, 150.0), -0.4, [160, 120]),
+            camera(DVec3::new(300.0, 250.0, 600.0), -1.5, [160, 120]),
+            standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [200, 120]),
+        ];
+        for (k, view) in views.into_iter().enumerate() {
+            let [points, detail] = compared(&scene, view);
+            println!("{name}, view {k}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points + 1.0, "{name}, view {k}");
+        }
+    }
+}
+
+#[test]
+fn pixels_that_cover_little_are_no_worse() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let over = |x: f64, y: f64, height: f64| {
+        let ground = scene.ground.height_at(x, y).expect("on the ground");
+        DVec3::new(x, y, ground + height)
+    };
+    for (k, view) in [
+        camera(over(200.0, 200.0, 12.0), -1.4, [200, 150]),
+        camera(over(320.0, 210.0, 3.0), -0.6, [400, 300]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let [points, detail] = compared(&scene, view);
+        println!("view {k}: {points:.2} dB, with detail {detail:.2}");
+        // Weights of colours are rounded otherwise: that is all that may differ.
+        assert!(detail > points - 0.02, "view {k}");
+    }
+}
+
+#[test]
+fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
+    // 701 by 514 posts: a coarse level's last cells reach out over the border.
+    let height = |col: u32, row: u32| 0.125 * col as f32 - 0.25 * row as f32;
+    let ground = Ground::from_fn(701, 514, DVec2::new(2.0, 3.0), height).expect("a sound grid");
+    let scene = Scene::new(ground);
+    for view in [
+        camera(DVec3::new(300.0, -200.0, 400.0), -0.5, [150, 100]),
+        camera(DVec3::new(-700.0, -500.0, 900.0), -0.6, [90, 70]),
+        camera(DVec3::new(700.0, 700.0, 5000.0), -1.5, [200, 200]),
+    ] {
+        let [exact, detail] = ["planes", "planes?lod=on&cell=8"]
+            .map(|caster| cast(caster, &scene, &[view]).remove(0));
+        let [width, height] = view.size;
+        for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
+            let at = (j * width + i) as usize;
+            let (a, b) = (exact.depth[at], detail.depth[at]);
+            // A ray right along the border may end on either side of it.
+            let extent = scene.ground.grid().extent();
+            let on_border = exact
+                .point(i, j)
+                .or(detail.point(i, j))
+                .is_some_and(|point| {
+                    let inside = point.truncate().min(extent - point.truncate());
+                    inside.min_element() < 0.05
+                });
+            let same = a == b || (a - b).abs() < 2e-3 * a;
+            let point = exact.point(i, j);
+            assert!(
+                same || on_border,
+                "{a} m and {b} m at {i}, {j}: {point:?} of {extent}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_even_colour_stays_even() {
+    let mut photo = photo();
+    photo.pixels = TiledRaster::from_fn(1400, 1200, |_, _| [200, 100, 7, 255]);
+    let scene = Scene::new(mountains().with_photo(photo));
+    let view = camera(DVec3::new(60.0, 20.0, 150.0), -0.4, [160, 120]);
+    let image = cast(Planes::WITH_DETAIL, &scene, &[view]).remove(0);
+    let ground = image.colour().iter().zip(&image.depth);
+    let ground: Vec<_> = ground.filter(|(_, depth)| depth.is_finite()).collect();
+    assert!(ground.len() > 5000);
+    for (colour, _) in ground {
+        assert_eq!(colour, &[200, 100, 7, 255]);
+    }
+}
+
+#[test]
+fn a_flight_is_as_calm_as_the_truth() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let frames: Vec<_> = (0..5)
+        .map(|frame| {
+            let eye = DVec3::new(60.0, 20.0 + 0.25 * f64::from(frame), 130.0);
+            camera(eye, -0.4, [120, 90])
+        })
+        .collect();
+    let truths: Vec<_> = frames.iter().map(|view| truth(&scene, view)).collect();
+    // The mean of changes from frame to frame, and the root of the mean square by which they are
+    // other than the truth's.
+    let changes = |colours: &[Vec<[u8; 4]>]| {
+        let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
+        for (pair, truth) in colours.windows(2).zip(truths.windows(2)) {
+            for at in 0..pair[0].len() {
+                for k in 0..3 {
+                    let change = |frames: &[Vec<[u8; 4]>]| {
+                        f64::from(frames[1][at][k]) - f64::from(frames[0][at][k])
+                    };
+                    sum += change(pair).abs();
+                    square += (change(pair) - change(truth)).powi(2);
+                    count += 1.0;
+                }
+            }
+        }
+        [sum / count, f64::sqrt(square / count)]
+    };
+    let [truth_change, _] = changes(&truths);
+    let [points, detail] = ["planes", Planes::WITH_DETAIL].map(|caster| {
+        let images = cast(caster, &scene, &frames);
+        let colours: Vec<_> = images.iter().map(|image| image.colour().to_vec()).collect();
+        changes(&colours)
+    });
+    println!("change {truth_change:.2}, points {points:.2?}, detail {detail:.2?}");
+    assert!((detail[0] / truth_change - 1.0).abs() < 0.2);
+    assert!(detail[1] < 0.4 * points[1]);
+}
