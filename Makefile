@@ -39,9 +39,10 @@ lint: deps runtime ## Check format, lints and documentation
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
-bench: deps-bench ## Time the casters on 1 and 2 threads, the default one against itself, and Embree
+bench: deps-bench ## Time the casters on 1 and 2 threads, the default one against itself, its level of detail, and Embree
 	$(CARGO) bench --locked -p sandtable-cast --bench casters
 	$(CARGO) bench --locked -p sandtable-cast --bench against_itself
+	$(CARGO) bench --locked -p sandtable-cast --bench level_of_detail
 	$(CARGO) bench --locked -p sandtable-cast --bench against_embree
 
 doc: ## Build the documentation of all crates

@@ -6,6 +6,7 @@
 mod itself;
 mod pinned_pool;
 mod scenes;
+mod turns;
 
 use anyhow::{Result, ensure};
 use clap::Parser;

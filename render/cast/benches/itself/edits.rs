@@ -1,8 +1,8 @@
 //! What following an edit of the ground costs.
 
-use super::turns::{Entry, medians};
-use super::{CASTER, Comparison, Ratio};
+use super::{CASTER, Comparison, Ratio, medians};
 use crate::scenes::BenchScene;
+use crate::turns::Entry;
 use anyhow::Result;
 use sandtable_cast::{CastPool, PreparedScene, Scene, caster_by_name};
 use sandtable_terrain::TileIndex;

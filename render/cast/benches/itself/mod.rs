@@ -1,18 +1,16 @@
 //! Comparisons of the default caster with itself.
 
 mod edits;
-mod turns;
 
 use crate::pinned_pool::pinned_pool;
 use crate::scenes::BenchScene;
+use crate::turns::{Entry, cast, prepared, timed};
 use anyhow::Result;
 use clap::ValueEnum;
 use sandtable_cast::standpoints::Standpoint;
 use sandtable_cast::{CastPool, Image, PreparedScene, ShadeFloor, caster_by_name};
-use sandtable_view::View;
 use std::fmt;
 use std::sync::Arc;
-use turns::{Entry, medians};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -237,17 +235,8 @@ impl<'a> Ours<'a> {
     }
 }
 
-fn prepared(scene: &BenchScene, pool: &CastPool, name: &str) -> Result<Arc<dyn PreparedScene>> {
-    let caster = caster_by_name(name)?;
-    Ok(pool.run(|| caster.prepare(Arc::clone(&scene.scene)))?)
-}
-
-/// Casting `views` as one job, to be repeated.
-fn cast<'a>(
-    pool: &'a CastPool,
-    prepared: &'a Arc<dyn PreparedScene>,
-    views: Vec<View>,
-) -> Entry<'a> {
-    let mut images = vec![Image::default(); views.len()];
-    Box::new(move || Ok(pool.cast(&**prepared, &views, &mut images)?))
+/// The median milliseconds of each of `entries`, measured as [`timed`] does.
+fn medians(rounds: usize, entries: Vec<Entry<'_>>) -> Result<Vec<f64>> {
+    let times = timed(rounds, entries)?;
+    Ok(times.iter().map(|times| times[times.len() / 2]).collect())
 }
