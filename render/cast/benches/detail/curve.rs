@@ -27,14 +27,27 @@ pub(super) struct Curve {
 /// What one value of `cell` gives.
 pub(super) struct Point {
     pub(super) cell: f64,
-    /// The median of the pair.
+    /// For the pair, by way of the default options' time.
     pub(super) ms: f64,
     pub(super) psnr: f64,
 }
 
+/// One setting, measured.
+struct Measured {
+    /// Values of `cell` and `blur`; none without level of detail.
+    options: Option<[f64; 2]>,
+    psnr: f64,
+    /// The median, the least, and the least of the default options that took turns with it.
+    ms: f64,
+    least: f64,
+    usual: f64,
+}
+
 /// Finds and prints what both eyes at a table gain and take, as options are turned.
 ///
-/// Each setting takes turns with the default one, as not all fit in memory at once.
+/// Each setting takes turns with the default one, as not all fit in memory at once. What the
+/// machine does otherwise differs from setting to setting, so times are compared by way of the
+/// default's.
 pub(super) fn print(
     scene: &BenchScene,
     [point, detail]: [&Arc<dyn PreparedScene>; 2],
@@ -48,54 +61,68 @@ pub(super) fn print(
         truth(&**point, &eyes[0], pool)?,
         truth(&**point, &eyes[1], pool)?,
     ];
-    println!(
-        "\nCurve: PSNR in dB of both eyes at the table, and their ms on {} threads: median of \
-         {rounds} turns, the least, and the median to that of the default options",
-        pool.threads()
-    );
-    println!(
-        "{:<11} {:>5} {:>5} {:>7} {:>9} {:>9} {:>7}  <= {FRAME} ms",
-        "scene", "cell", "blur", "dB", "ms", "least", "ratio"
-    );
-    let measured = |caster: &Arc<dyn PreparedScene>| -> Result<([f64; 3], f64)> {
+    let measured = |options, caster: &Arc<dyn PreparedScene>| -> Result<Measured> {
         let entries = vec![
             cast(pool, detail, eyes.to_vec()),
             cast(pool, caster, eyes.to_vec()),
         ];
         let times = timed(rounds, entries)?;
-        let [usual, ms] = [0, 1].map(|entry| times[entry][rounds / 2]);
-        Ok((
-            [ms, times[1][0], ms / usual],
-            psnr(caster, eyes, &truths, pool)?,
-        ))
+        Ok(Measured {
+            options,
+            psnr: psnr(caster, eyes, &truths, pool)?,
+            ms: times[1][rounds / 2],
+            least: times[1][0],
+            usual: times[0][0],
+        })
     };
-    let line = |cell: &str, blur: &str, psnr: f64, [ms, least, ratio]: [f64; 3]| {
-        println!(
-            "{:<11} {cell:>5} {blur:>5} {psnr:>7.2} {ms:>9.2} {least:>9.2} {ratio:>7.2}  {}",
-            scene.name,
-            if ms <= FRAME { "yes" } else { "" }
-        );
-    };
-    let (times, db) = measured(point)?;
-    line("off", "", db, times);
-    let mut curves = Vec::new();
+    let mut all = vec![measured(None, point)?];
     for blur in BLURS {
-        let mut points = Vec::new();
         for cell in CELLS {
             let caster = prepared(scene, pool, &format!("{DETAIL}&cell={cell}&blur={blur}"))?;
-            let (times, psnr) = measured(&caster)?;
-            line(&cell.to_string(), &blur.to_string(), psnr, times);
-            points.push(Point {
-                cell,
-                ms: times[0],
-                psnr,
+            all.push(measured(Some([cell, blur]), &caster)?);
+        }
+    }
+    let usual = all.iter().map(|it| it.usual).fold(f64::INFINITY, f64::min);
+    println!(
+        "\nCurve: PSNR in dB of both eyes at the table, and their ms on {} threads: median of \
+         {rounds} turns, the least, its ratio to the default options' least in the same turns, and \
+         that ratio times their least of all, {usual:.2}",
+        pool.threads()
+    );
+    println!(
+        "{:<11} {:>5} {:>5} {:>7} {:>9} {:>9} {:>7} {:>9}  <= {FRAME} ms",
+        "scene", "cell", "blur", "dB", "ms", "least", "ratio", "level ms"
+    );
+    let mut curves: Vec<Curve> = Vec::new();
+    for it in &all {
+        let ratio = it.least / it.usual;
+        let ms = ratio * usual;
+        let [cell, blur] = match it.options {
+            Some(options) => options.map(|value| value.to_string()),
+            None => ["off".to_owned(), String::new()],
+        };
+        println!(
+            "{:<11} {cell:>5} {blur:>5} {:>7.2} {:>9.2} {:>9.2} {ratio:>7.2} {ms:>9.2}  {}",
+            scene.name,
+            it.psnr,
+            it.ms,
+            it.least,
+            if ms <= FRAME { "yes" } else { "" }
+        );
+        let Some([cell, blur]) = it.options else {
+            continue;
+        };
+        if curves.last().is_none_or(|curve| curve.blur != blur) {
+            curves.push(Curve {
+                scene: scene.name.clone(),
+                blur,
+                points: Vec::new(),
             });
         }
-        curves.push(Curve {
-            scene: scene.name.clone(),
-            blur,
-            points,
-        });
+        if let Some(curve) = curves.last_mut() {
+            let psnr = it.psnr;
+            curve.points.push(Point { cell, ms, psnr });
+        }
     }
     Ok(curves)
 }
