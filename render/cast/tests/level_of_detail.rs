@@ -254,6 +254,7 @@ fn a_flight_is_as_calm_as_the_truth() {
         changes(&colours)
     });
     println!("change {truth_change:.2}, points {points:.2?}, detail {detail:.2?}");
-    assert!((detail[0] / truth_change - 1.0).abs() < 0.2);
+    // Of this photo, which is noise, the filter leaves a little less than the truth has.
+    assert!((0.7..1.1).contains(&(detail[0] / truth_change)));
     assert!(detail[1] < 0.4 * points[1]);
 }

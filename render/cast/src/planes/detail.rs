@@ -32,15 +32,16 @@ impl DetailOptions {
     };
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
-        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper) to 4 \
-                  (calmer); default 1.25",
+        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.25 is \
+                  nearest to the truth in a single picture) to 4 (calmer); default 1.9, as calm as \
+                  the truth in a flight",
     };
 
     pub(super) fn read(options: &Options<'_>) -> Result<Option<Self>, CastError> {
         let on = options.choice("lod", &[("off", false), ("on", true)])?;
         let read = Self {
             cell: options.number("cell", 0.25..=8.0)?.unwrap_or(2.0),
-            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.25),
+            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.9),
         };
         Ok(on.then_some(read))
     }
