@@ -1,31 +1,17 @@
 //! What every caster promises, whatever its algorithm.
 
-use glam::{DVec2, DVec3};
+mod hills;
+
+use self::hills::{camera, ground, hills};
+use glam::DVec3;
 use sandtable_cast::{
     CASTERS, CastPool, Image, Planes, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
 };
-use sandtable_terrain::Ground;
-use sandtable_view::{Attitude, Camera, View};
+use sandtable_view::View;
 use std::sync::Arc;
 
 fn scene(cols: u32, rows: u32, height: impl Fn(f64, f64) -> f64 + Sync) -> Arc<Scene> {
-    let spacing = DVec2::new(10.0, 8.0);
-    let height =
-        |col: u32, row: u32| height(f64::from(col) * spacing.x, f64::from(row) * spacing.y) as f32;
-    Scene::new(Ground::from_fn(cols, rows, spacing, height).expect("a sound grid"))
-}
-
-fn hills(x: f64, y: f64) -> f64 {
-    40.0 * (x / 130.0).sin() * (y / 170.0).cos() + 15.0 * (x / 41.0 + y / 57.0).sin()
-}
-
-fn camera(eye: DVec3, yaw: f64, pitch: f64, roll: f64) -> Camera {
-    let attitude = Attitude { yaw, pitch, roll };
-    Camera {
-        eye,
-        attitude,
-        horizontal_fov: 1.0,
-    }
+    Scene::new(ground(cols, rows, height))
 }
 
 /// Views of every kind: each caster is made for one of them at least.

@@ -1,11 +1,14 @@
 //! The default caster on each instruction set that the processor has.
 
+mod hills;
+
+use self::hills::{camera, ground, hills};
 use glam::{DVec2, DVec3};
 use sandtable_cast::{
     CastPool, Caster, Image, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
 };
 use sandtable_terrain::{Ground, Photo, TiledRaster};
-use sandtable_view::{Attitude, Camera, View};
+use sandtable_view::View;
 use std::sync::Arc;
 
 /// The caster with `options` on each instruction set of this processor, the reference first.
@@ -19,17 +22,6 @@ fn casters(options: &str) -> Vec<(&'static str, Arc<dyn Caster>)> {
         .collect()
 }
 
-/// Hills over several tiles.
-fn hills() -> Ground {
-    let spacing = DVec2::new(10.0, 8.0);
-    let height = |col: u32, row: u32| {
-        let (x, y) = (f64::from(col) * spacing.x, f64::from(row) * spacing.y);
-        let hill = 40.0 * (x / 130.0).sin() * (y / 170.0).cos();
-        (hill + 15.0 * (x / 41.0 + y / 57.0).sin()) as f32
-    };
-    Ground::from_fn(300, 290, spacing, height).expect("a sound grid")
-}
-
 /// A photo of a part of the ground, with holes.
 fn photo() -> Photo {
     let pixel = |x: u32, y: u32| {
@@ -41,15 +33,6 @@ fn photo() -> Photo {
         pixels: TiledRaster::from_fn(310, 400, pixel),
         origin: DVec2::new(400.0, 150.0),
         spacing: DVec2::new(6.5, 5.0),
-    }
-}
-
-fn camera(eye: DVec3, yaw: f64, pitch: f64, roll: f64) -> Camera {
-    let attitude = Attitude { yaw, pitch, roll };
-    Camera {
-        eye,
-        attitude,
-        horizontal_fov: 1.0,
     }
 }
 
@@ -124,17 +107,20 @@ fn the_reference_is_everywhere_and_some_set_is_the_best() {
 
 #[test]
 fn ground_has_the_same_bytes_on_all() {
-    assert_same_images(hills(), "");
+    assert_same_images(ground(300, 290, hills), "");
 }
 
 #[test]
 fn ground_with_a_photo_has_the_same_bytes_on_all() {
-    assert_same_images(hills().with_photo(photo()), "");
+    assert_same_images(ground(300, 290, hills).with_photo(photo()), "");
 }
 
 #[test]
 fn detail_has_the_same_bytes_on_all() {
     // Coarse enough for several levels in a small image.
-    assert_same_images(hills(), "&lod=on&cell=8&blur=3");
-    assert_same_images(hills().with_photo(photo()), "&lod=on&cell=8&blur=3");
+    assert_same_images(ground(300, 290, hills), "&lod=on&cell=8&blur=3");
+    assert_same_images(
+        ground(300, 290, hills).with_photo(photo()),
+        "&lod=on&cell=8&blur=3",
+    );
 }

@@ -1,27 +1,13 @@
 //! The floor under every caster: an image's colours and depths again, from its hits.
 
+mod hills;
+
+use self::hills::{camera, ground, hills};
 use glam::{DVec2, DVec3};
 use sandtable_cast::{CastPool, Image, Scene, ShadeFloor, caster_by_name, standpoints};
-use sandtable_terrain::{Ground, Photo, TiledRaster};
-use sandtable_view::{Attitude, Camera, View};
+use sandtable_terrain::{Photo, TiledRaster};
+use sandtable_view::View;
 use std::sync::Arc;
-
-fn hills() -> Ground {
-    let height = |col: u32, row: u32| {
-        let (x, y) = (f64::from(col), f64::from(row));
-        (40.0 * (x / 13.0).sin() * (y / 21.0).cos() + 15.0 * (x / 4.1 + y / 7.0).sin()) as f32
-    };
-    Ground::from_fn(300, 290, DVec2::new(10.0, 8.0), height).expect("a sound grid")
-}
-
-fn camera(eye: DVec3, yaw: f64, pitch: f64, roll: f64) -> Camera {
-    let attitude = Attitude { yaw, pitch, roll };
-    Camera {
-        eye,
-        attitude,
-        horizontal_fov: 1.0,
-    }
-}
 
 fn cast(scene: &Arc<Scene>, view: View) -> Image {
     let caster = caster_by_name("planes").expect("it is there");
@@ -56,7 +42,10 @@ fn the_floor_has_the_colours_and_depths_of_the_image() {
         origin: DVec2::new(400.0, 150.0),
         spacing: DVec2::new(6.5, 5.0),
     };
-    for ground in [hills(), hills().with_photo(photo)] {
+    for ground in [
+        ground(300, 290, hills),
+        ground(300, 290, hills).with_photo(photo),
+    ] {
         let scene = Scene::new(ground);
         let extent = scene.ground.grid().extent();
         let eye = DVec3::new(0.4 * extent.x, 0.1 * extent.y, 120.0);
@@ -73,14 +62,14 @@ fn the_floor_has_the_colours_and_depths_of_the_image() {
 
 #[test]
 fn there_is_no_floor_from_within_the_ground() {
-    let scene = Scene::new(hills());
+    let scene = Scene::new(ground(300, 290, hills));
     let view = camera(DVec3::new(900.0, 900.0, -500.0), 0.3, 0.0, 0.0).view([20, 16]);
     assert!(ShadeFloor::new(&scene, &cast(&scene, view)).is_none());
 }
 
 #[test]
 fn there_is_no_floor_without_pixels() {
-    let scene = Scene::new(hills());
+    let scene = Scene::new(ground(300, 290, hills));
     let view = camera(DVec3::new(900.0, 900.0, 500.0), 0.3, 0.0, 0.0).view([0, 4]);
     assert!(ShadeFloor::new(&scene, &cast(&scene, view)).is_none());
 }

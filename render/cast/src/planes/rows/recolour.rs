@@ -1,15 +1,14 @@
 //! A sector's colours again, where it is known how far its rays reach.
 
-use super::{Directions, LANES, MARGIN, MEMORY, March, Scratch, group, group_mut};
+use super::March;
+use super::directions::{Aim, Directions, STEEP};
+use super::scratch::{MARGIN, MEMORY, Scratch, group, group_mut};
 use crate::Image;
 use crate::canvas::Canvas;
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shader;
-
-/// Rays straight down have this little of the major axis, times the first ray's length.
-const STEEP: f64 = 1e-10;
 
 /// How far a sector's rays reach in a finished image: in cells along the major axis, negative for
 /// sky, step by step, each with room for a whole last group of lanes.
@@ -82,24 +81,16 @@ impl<L: Lanes> March<'_, L> {
         scratch: &mut Scratch,
     ) {
         let l = self.l;
-        let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let iota = l.load(&std::array::from_fn(|k| k as f32));
-        let steep = l.splat((STEEP * self.frame.rays.first.length()) as f32);
-        let v = self.directions.lane;
-        let [v_major, v_minor, v_up] = [v.x, v.y, v.z].map(|v| l.mul(l.splat(v as f32), iota));
+        let aim = Aim::new(l, self.frame, self.directions.lane);
         for (k, first) in (lanes[0]..lanes[1]).step_by(LANES).enumerate() {
             let at = self.slot(step) + MARGIN + first as usize;
             let pixels = [first, lanes[1].min(first + LANES as i32)];
             scratch
                 .pixels
                 .prefetch(l, canvas, self.sector, step, pixels);
-            let d = self.directions.at(step, first);
-            let major = l.max(l.add(l.splat(d.x as f32), v_major), steep);
-            let minor = l.max(l.add(l.splat(d.y as f32), v_minor), zero);
-            let up = l.add(l.splat(d.z as f32), v_up);
-            let scale = l.div(one, major);
-            l.store(l.mul(minor, scale), group_mut(&mut scratch.advance, at));
-            l.store(l.mul(up, scale), group_mut(&mut scratch.slope, at));
+            let aimed = aim.at(l, self.directions.at(step, first));
+            l.store(aimed.advance, group_mut(&mut scratch.advance, at));
+            l.store(aimed.slope, group_mut(&mut scratch.slope, at));
             let reached = l.load(group(reaches, k * LANES));
             l.store(reached, group_mut(&mut scratch.reached, at));
         }

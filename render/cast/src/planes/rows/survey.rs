@@ -1,8 +1,9 @@
 //! What becomes of each of a sector's rays.
 
-use super::{LANES, MEMORY, March, Scratch, cast_sector};
+use super::scratch::{MARGIN, MEMORY, Scratch};
+use super::{March, cast_sector};
 use crate::canvas::Canvas;
-use crate::lanes::Portable;
+use crate::lanes::{LANES, Portable};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
 use crate::tally::Tally;
@@ -45,7 +46,7 @@ impl<I: Iterator<Item = ((u32, i32), usize)>> Tally for PixelTally<'_, I> {
     fn ray(&mut self) {
         if let Some(((step, lane), pixel)) = self.rays.next() {
             let slot = step as usize % MEMORY * self.room;
-            self.pixels[slot + super::MARGIN + lane as usize] = pixel;
+            self.pixels[slot + MARGIN + lane as usize] = pixel;
         }
     }
 

@@ -1,0 +1,83 @@
+//! What a thread needs to cast a sector: the last steps' rays and those on their way.
+
+use crate::canvas::Canvas;
+use crate::lanes::LANES;
+use crate::planes::frame::Frame;
+use crate::planes::pixels::PixelBlock;
+use crate::planes::sectors::Sector;
+use crate::planes::shade::Shading;
+use crate::planes::walk::{Departure, Passage};
+use crate::planes::wave::Wave;
+
+/// How many steps back the ray may lie from which one begins.
+pub(super) const MEMORY: usize = 8;
+
+/// What a thread needs to cast a sector, kept from one sector to the next.
+#[derive(Default)]
+pub(in crate::planes) struct Scratch {
+    /// For the last steps, how far each lane's ray came: to its hit, or (negative) to where it left
+    /// the ground or, while it is on its way, to where it is clear.
+    pub(super) reached: Vec<f32>,
+    pub(super) lanes: [[i32; 2]; MEMORY],
+    /// The rays of these steps, for their colours.
+    pub(super) advance: Vec<f32>,
+    pub(super) slope: Vec<f32>,
+    /// The rays on their way over each of the ground's resolutions.
+    pub(super) waves: Vec<Waves>,
+    pub(super) departure: Box<Departure>,
+    pub(super) passage: Box<Passage>,
+    pub(super) shading: Box<Shading>,
+    /// Colours and depths of the last steps.
+    pub(super) pixels: PixelBlock,
+}
+
+/// Rays over one resolution: those that go from cell to cell, and those that skip blocks.
+#[derive(Default)]
+pub(super) struct Waves {
+    pub(super) low: Box<Wave>,
+    pub(super) high: Box<Wave>,
+}
+
+impl Waves {
+    pub(super) fn len(&self) -> usize {
+        self.low.len() + self.high.len()
+    }
+}
+
+impl Scratch {
+    /// Makes ready for a sector; gives the numbers a step.
+    pub(super) fn begin(
+        &mut self,
+        frame: &Frame<'_>,
+        sector: &Sector,
+        canvas: &Canvas<'_>,
+    ) -> usize {
+        let width = frame.rays.size[1 - sector.step_axis] as usize;
+        // A power of two, so that the step of a ray is quickly told from where its number lies.
+        let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+        self.lanes = [[0, 0]; MEMORY];
+        let levels = self.waves.len().max(frame.levels.len());
+        self.waves.resize_with(levels, Waves::default);
+        // A cast that panicked may have left some behind.
+        for waves in &mut self.waves {
+            waves.low.truncate(0);
+            waves.high.truncate(0);
+        }
+        for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
+            numbers.resize(numbers.len().max(room * MEMORY), 0.0);
+        }
+        self.pixels.begin(canvas, sector, width + MARGIN);
+        room
+    }
+}
+
+/// Room before lane 0, so that neighbours of a step's first rays can be read.
+pub(super) const MARGIN: usize = 2 * LANES;
+
+pub(super) fn group(numbers: &[f32], at: usize) -> &[f32; LANES] {
+    numbers[at..].first_chunk().expect("room was made")
+}
+
+pub(super) fn group_mut(numbers: &mut [f32], at: usize) -> &mut [f32; LANES] {
+    numbers[at..].first_chunk_mut().expect("room was made")
+}

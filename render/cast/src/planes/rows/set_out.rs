@@ -1,0 +1,247 @@
+//! A step's rays set out: where they begin, and in which wave.
+
+use super::March;
+use super::directions::{Aim, Aimed};
+use super::scratch::{MARGIN, MEMORY, Scratch, Waves, group, group_mut};
+use crate::canvas::Canvas;
+use crate::lanes::{LANES, Lanes};
+use crate::planes::climb::level_for;
+use crate::planes::maxima::TOP;
+use crate::planes::wave::Ray;
+use crate::tally::Tally;
+
+/// Rays of a group that set out low from which on they go through their first cell as they are, not
+/// closed up with others.
+const MANY: u32 = 8;
+
+/// Lanes that begin from one predecessor where the nearest will do for all of them.
+const SHARED: i32 = 4 * LANES as i32;
+
+/// The part of a group of which `count` lanes are pixels.
+fn first_lanes(count: i32) -> u16 {
+    if count >= LANES as i32 {
+        u16::MAX
+    } else {
+        (1 << count) - 1
+    }
+}
+
+impl<L: Lanes> March<'_, L> {
+    /// Sets up the rays of a step and finds where they begin; parks those that begin high.
+    #[inline(always)]
+    pub(super) fn set_out<T: Tally>(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
+        let l = self.l;
+        let zero = l.splat(0.0);
+        let one = l.splat(1.0);
+        let lane_numbers = l.load_i(&std::array::from_fn(|k| k as i32));
+        let v = self.directions.lane;
+        let aim = Aim::new(l, self.frame, v);
+        let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
+        let eye = self.fields[0].eye_height;
+        let above = eye > self.fields[0].highest;
+        let top = self.fields[0].highest - eye;
+        let near_limit = l.splat(self.frame.near);
+        let inverse_near = l.splat(1.0 / self.frame.near);
+        let highest_level = l.splat_i(TOP as i32);
+        let towards = self.towards(step);
+        // Along a step a ray's minor part changes, over its major one's square, by this much.
+        let across = self.frame.detail.as_ref().map(|detail| {
+            let d = self.directions.at(step, 0);
+            (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
+        });
+        let slot = self.slot(step);
+        let waves = &mut scratch.waves[..self.fields.len()];
+        let (mut low_end, mut high_end) = (waves[0].low.len(), waves[0].high.len());
+        // Below 0 even where there is no ground at all.
+        let tiny = l.splat(f32::MIN_POSITIVE);
+        let mut shared = None;
+        for first in (lanes[0]..lanes[1]).step_by(LANES) {
+            let at = slot + MARGIN + first as usize;
+            let count = (lanes[1] - first).min(LANES as i32);
+            let all = l.mask(first_lanes(count));
+            // A few lines a group, long before they are written: many at once are waited for.
+            let pixels = [first, first + count];
+            scratch
+                .pixels
+                .prefetch(l, canvas, self.sector, step, pixels);
+            let Aimed {
+                advance,
+                slope,
+                scale,
+            } = aim.at(l, self.directions.at(step, first));
+            let inverse = l.div(one, advance);
+            let mut leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
+            let mut ok = l.and(all, l.lt(zero, leave));
+            if above {
+                ok = l.and(ok, l.lt(slope, zero));
+            } else if l.bits(l.lt(zero, slope)) != 0 {
+                let over = l.div(l.splat(top), slope);
+                leave = l.select(l.lt(zero, slope), l.min(leave, over), leave);
+            }
+            let mut enter = l.splat(major_begin.max(0.0));
+            if minor_begin > 0.0 {
+                enter = l.max(enter, l.mul(l.splat(minor_begin), inverse));
+            }
+            ok = l.and(ok, l.lt(enter, leave));
+            l.store(advance, group_mut(&mut scratch.advance, at));
+            l.store(slope, group_mut(&mut scratch.slope, at));
+            // Until something is found: the ray has left the ground.
+            let nothing = l.sub(zero, l.max(leave, tiny));
+            l.store(nothing, group_mut(&mut scratch.reached, at));
+            let in_chunk = (first - lanes[0]) as usize;
+            scratch.departure.clear(in_chunk);
+            let ray = Ray {
+                advance,
+                inverse,
+                slope,
+                leave,
+                id: l.add_i(lane_numbers, l.splat_i(at as i32)),
+            };
+            // How many cells a pixel covers across its ray, for each 1 of t.
+            let mut width = None;
+            if let Some(across) = across {
+                let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
+                width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
+            }
+            let mut fresh = ok;
+            let mut departed = 0;
+            if across.is_none() && in_chunk.is_multiple_of(SHARED as usize) {
+                let ends = [first, lanes[1].min(first + SHARED) - 1];
+                shared = self.predecessor(step, towards, ends, self.steepest[0], 1);
+            }
+            let before = shared.or_else(
+                #[inline(always)]
+                || {
+                    let ends = [first, first + count - 1];
+                    let steepest = match across {
+                        Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
+                        None => self.steepest[0],
+                    };
+                    self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+                },
+            );
+            if let Some(before) = before {
+                let before_step = step - before.steps as u32;
+                let lanes = scratch.lanes[before_step as usize % MEMORY];
+                // Those whose predecessors are the sector's.
+                let from = (lanes[0] - before.lanes - first).clamp(0, LANES as i32);
+                let to = (lanes[1] - before.lanes - first).clamp(from, LANES as i32);
+                let known = l.mask(first_lanes(to) & !first_lanes(from));
+                let before_at = (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
+                let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
+                let start = l.max(start, enter);
+                let known = l.and(known, ok);
+                fresh = l.and_not(ok, known);
+                let known = l.and(known, l.lt(start, leave));
+                let cell = self.fields[0].cell_at(l, start, advance);
+                let over = l.mul(start, l.splat(before.rise as f32));
+                if let Some(width) = width {
+                    self.begin(waves, known, &ray, start, over, width);
+                } else {
+                    let Waves {
+                        low: near,
+                        high: far,
+                    } = &mut waves[0];
+                    let high = l.and(known, l.lt(near_limit, over));
+                    let low = l.and_not(known, high);
+                    if l.bits(low).count_ones() >= MANY {
+                        scratch.departure.put(l, in_chunk, low, &ray, start, cell);
+                        departed = l.bits(low);
+                    } else {
+                        low_end = near.put(l, low_end, low, &ray, start, cell);
+                    }
+                    if l.bits(high) != 0 {
+                        let level = level_for(l, l.mul(over, inverse_near));
+                        high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
+                    }
+                }
+            }
+            if l.bits(fresh) != 0 {
+                let mut start = enter;
+                if above {
+                    start = l.max(start, l.div(l.splat(top), slope));
+                }
+                let fresh = l.and(fresh, l.lt(start, leave));
+                if let Some(width) = width {
+                    self.begin(waves, fresh, &ray, start, l.splat(f32::MAX), width);
+                } else {
+                    let cell = self.fields[0].cell_at(l, start, advance);
+                    let high = &mut waves[0].high;
+                    high_end =
+                        high.put_at_level(l, high_end, fresh, &ray, start, cell, highest_level);
+                }
+            }
+            for _ in 0..count {
+                tally.ray();
+            }
+            for lane in (0..LANES).filter(|lane| departed >> lane & 1 != 0) {
+                tally.cells(&[(at + lane) as i32]);
+            }
+        }
+        if self.frame.detail.is_none() {
+            waves[0].low.truncate(low_end);
+            waves[0].high.truncate(high_end);
+        }
+    }
+
+    /// Puts rays on their way that are clear up to `start` and more than `over` metres over the
+    /// ground there, each at the resolution that suits its `width`: how many cells a pixel covers
+    /// across the ray for each 1 of t.
+    #[inline(always)]
+    fn begin(
+        &self,
+        waves: &mut [Waves],
+        mask: L::M,
+        ray: &Ray<L>,
+        start: L::F,
+        over: L::F,
+        width: L::F,
+    ) {
+        let l = self.l;
+        let coarsest = self.fields.len() as i32 - 1;
+        let covered = l.max(l.mul(start, width), l.splat(1.0));
+        let level = l.min_i(l.exponent(covered), l.splat_i(coarsest));
+        let mut levels = [0; LANES];
+        l.store_i(level, &mut levels);
+        // Where a pixel comes to cover two cells: as far away, in cells, at all resolutions.
+        let limit = l.div(l.splat(2.0), width);
+        let mut left = l.bits(mask);
+        while left != 0 {
+            let number = levels[left.trailing_zeros() as usize];
+            let these = l.and(l.mask(left), l.eq_i(level, l.splat_i(number)));
+            left &= !l.bits(these);
+            let (field, waves) = (&self.fields[number as usize], &mut waves[number as usize]);
+            let (scale, inverse_scale) = (l.splat(field.scale), l.splat(1.0 / field.scale));
+            let t = l.mul(start, inverse_scale);
+            let leave = l.mul(ray.leave, inverse_scale);
+            let ray = Ray {
+                slope: l.mul(ray.slope, scale),
+                leave: if number < coarsest {
+                    l.min(leave, limit)
+                } else {
+                    leave
+                },
+                ..*ray
+            };
+            let cell = field.cell_at(l, t, ray.advance);
+            let high = l.and(these, l.lt(l.splat(field.near), over));
+            let low = l.and_not(these, high);
+            let end = waves.low.len();
+            let end = waves.low.put(l, end, low, &ray, t, cell);
+            waves.low.truncate(end);
+            if l.bits(high) != 0 {
+                let level = level_for(l, l.mul(over, l.splat(1.0 / field.near)));
+                let end = waves.high.len();
+                let end = waves.high.put_at_level(l, end, high, &ray, t, cell, level);
+                waves.high.truncate(end);
+            }
+        }
+    }
+}
