@@ -3,7 +3,8 @@
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::maxima::{LEVEL_BEGIN, TOP};
-use super::wave::Wave;
+use super::walk::Passage;
+use super::wave::{Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
 /// The level of blocks for rays over the ground by so many times the limit of nearness.
@@ -24,14 +25,17 @@ pub(super) fn climb<L: Lanes>(
     field: &Field<'_>,
     wave: &mut Wave,
     low: &mut Wave,
+    passage: &mut Passage,
     mut coarser: Option<Coarser<'_>>,
 ) {
     let (zero, one) = (l.splat_i(0), l.splat_i(1));
     let top = l.splat_i(TOP as i32);
     let eye = l.splat(field.eye_height);
-    let within = l.splat_i(255);
     let near = l.splat(field.near);
     let rays = wave.len();
+    for at in (0..rays).step_by(LANES) {
+        place(l, field, wave, passage, at);
+    }
     let (mut kept, mut landed) = (0, low.len());
     for at in (0..rays).step_by(LANES) {
         let mask = l.mask(wave.mask(at));
@@ -40,12 +44,7 @@ pub(super) fn climb<L: Lanes>(
         let [major, minor] = wave.cell(l, at);
         let level = wave.level(l, at);
         let [x, y] = field.cells(l, major, minor);
-        let row = l.shr_i(l.and_i(y, within), level);
-        let col = l.shr_i(l.and_i(x, within), level);
-        let side = l.sub_i(top, level);
-        let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
-        let place = l.add_i(field.maxima.base(l, x, y), block_at);
-        let place = field.maxima.only(l, mask, place);
+        let place = l.load_i(group(&passage.place, at));
         let code = l.halves(&field.maxima.items, place);
         let highest = l.add(
             l.mul(l.to_float(code), l.splat(field.code_step)),
@@ -103,6 +102,26 @@ pub(super) fn climb<L: Lanes>(
     }
     wave.truncate(kept);
     low.truncate(landed);
+}
+
+/// Finds where the bounds of a group's blocks lie, and asks for their memory where it may be far:
+/// all of a wave's before any is read.
+#[inline(always)]
+fn place<L: Lanes>(l: L, field: &Field<'_>, wave: &Wave, passage: &mut Passage, at: usize) {
+    let [major, minor] = wave.cell(l, at);
+    let level = wave.level(l, at);
+    let [x, y] = field.cells(l, major, minor);
+    let within = l.splat_i(255);
+    let row = l.shr_i(l.and_i(y, within), level);
+    let col = l.shr_i(l.and_i(x, within), level);
+    let side = l.sub_i(l.splat_i(TOP as i32), level);
+    let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
+    let place = l.add_i(field.maxima.base(l, x, y), block_at);
+    let place = field.maxima.only(l, l.mask(wave.mask(at)), place);
+    if field.ahead.is_some() {
+        l.prefetch::<_, 1>(&field.maxima.items, place);
+    }
+    l.store_i(place, group_mut(&mut passage.place, at));
 }
 
 /// The distance from the eye of the line behind mirrored cell `last`.

@@ -278,7 +278,7 @@ impl<'a, L: Lanes> March<'a, L> {
             if climbs {
                 l.vectorize(
                     #[inline(always)]
-                    || climb(l, field, high, low, coarser),
+                    || climb(l, field, high, low, &mut scratch.passage, coarser),
                 );
             } else {
                 let passage = &mut scratch.passage;

@@ -6,10 +6,10 @@ use super::field::Field;
 use super::wave::{CAPACITY, CHUNK, Column, Ray, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
-/// What one cell's passage needs between its loops.
+/// What one cell's or block's passage needs between its loops.
 #[repr(align(64))]
 pub(super) struct Passage {
-    place: Column<i32>,
+    pub(super) place: Column<i32>,
     posts: [Column<f32>; 4],
 }
 
