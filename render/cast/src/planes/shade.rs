@@ -519,7 +519,10 @@ impl<'a> Shader<'a> {
                         l.store(half.east, wave::group_mut(&mut to.east, at));
                         l.store(half.north, wave::group_mut(&mut to.north, at));
                         if self.large {
-                            l.prefetch::<_, 4>(&texture.frame.tiles.items, half.at);
+                            let tiles = &texture.frame.tiles;
+                            let northern = l.add_i(half.at, l.splat_i(tiles.stride as i32));
+                            l.prefetch::<_, 1>(&tiles.items, half.at);
+                            l.prefetch::<_, 1>(&tiles.items, northern);
                         }
                     }
                 }
