@@ -1,6 +1,5 @@
 //! How the units of an image are shared out among threads.
 
-use rayon::prelude::*;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,8 +9,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// None of them changes a byte of the images: each pixel belongs to one unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
-    /// rayon's work stealing: each thread begins with a share of its own and, done with it, takes
-    /// from others.
+    /// rayon's work stealing: the units wait in their order with the thread that began the job, and
+    /// every thread that has nothing to do takes the next.
     #[default]
     WorkStealing,
     /// Thread k of n casts units k, k + n, k + 2n, … and then rests (Wan, Qu and Kaufman 1999;
@@ -40,7 +39,12 @@ impl Scheme {
     /// Does `work` for each of `units`, on the current thread pool, and waits for all of it.
     pub(crate) fn run(self, units: usize, work: impl Fn(usize) + Send + Sync) {
         match self {
-            Self::WorkStealing => (0..units).into_par_iter().with_max_len(1).for_each(work),
+            Self::WorkStealing => rayon::scope_fifo(|scope| {
+                for unit in 0..units {
+                    let work = &work;
+                    scope.spawn_fifo(move |_| work(unit));
+                }
+            }),
             Self::StaticInterleave => {
                 rayon::broadcast(|thread| {
                     (thread.index()..units)

@@ -47,6 +47,8 @@ pub(super) struct Sector {
     sides: Vec<Side>,
     /// The image's extent across the steps.
     width: i32,
+    /// About how many pixels it has.
+    size: f64,
 }
 
 impl Sector {
@@ -60,6 +62,11 @@ impl Sector {
         let mut pixel = [self.image_step(k); 2];
         pixel[1 - self.step_axis] = lane as u32;
         pixel
+    }
+
+    fn has_pixels(&self) -> bool {
+        let mut lanes = (0..self.steps).map(|k| self.lanes(k));
+        lanes.any(|[from, to]| from < to)
     }
 
     /// The pixels of step `k`, from the first to behind the last, along the image's other axis.
@@ -87,19 +94,17 @@ impl Sector {
             if slope == 0.0 {
                 return [0, 0];
             }
+            // About where the side changes; a pixel belongs to that side where its own value is,
+            // whichever way it is asked for. That is next to there, as values are rounded by far
+            // less than a pixel's change: counting takes no branches, which nobody could foretell.
             let value = side.line.at_origin + by_step;
-            // About where the side changes, from which the next lines go on; not rounded up but
-            // moved by a pixel, as the first takes a call without an instruction for it.
-            let at = (-value / slope).clamp(0.0, f64::from(self.width - 1)) as i32 + 1;
-            let mut at = at.clamp(0, self.width);
-            // A pixel belongs to that side where its own value is, whichever way it is asked for.
+            let about = (-value / slope).clamp(0.0, f64::from(self.width)) as i32;
             let begins = (slope > 0.0) == side.positive;
-            while at > 0 && holds(at - 1) == begins {
-                at -= 1;
-            }
-            while at < self.width && holds(at) != begins {
-                at += 1;
-            }
+            let around = about - 1..about + 3;
+            let before: i32 = around.map(|lane| i32::from(holds(lane) != begins)).sum();
+            let at = (about - 1 + before).clamp(0, self.width);
+            debug_assert!(at == 0 || holds(at - 1) != begins);
+            debug_assert!(at == self.width || holds(at) == begins);
             if begins {
                 from = from.max(at);
             } else {
@@ -167,6 +172,16 @@ impl Part {
         sides
     }
 
+    /// The area in pixels.
+    fn size(&self) -> f64 {
+        let next = self.corners.iter().cycle().skip(1);
+        let edges = self.corners.iter().zip(next);
+        0.5 * edges
+            .map(|(a, b)| a[0] * b[1] - a[1] * b[0])
+            .sum::<f64>()
+            .abs()
+    }
+
     fn range(&self, axis: usize) -> [f64; 2] {
         self.corners
             .iter()
@@ -225,7 +240,8 @@ impl ImageRays {
         point.map(|x| sign * x)
     }
 
-    /// The image's sectors, none with more than about `width` pixels in a step.
+    /// The image's sectors, none with more than about `width` pixels in a step. The largest come
+    /// first: threads that take them in turn are done at about the same time.
     pub(super) fn sectors(&self, width: u32) -> Vec<Sector> {
         let [w, h] = self.size.map(f64::from);
         let whole = Part {
@@ -291,10 +307,14 @@ impl ImageRays {
                     major,
                     signs,
                     sides: part.ordered_sides(),
+                    size: part.size(),
                     width: self.size[1 - step_axis] as i32,
                 });
             }
         }
+        // What is left between lines that almost meet has no pixels.
+        sectors.retain(Sector::has_pixels);
+        sectors.sort_by(|a, b| b.size.total_cmp(&a.size));
         sectors
     }
 
@@ -387,6 +407,23 @@ mod tests {
                 let wrong = owners.iter().position(|&owners| owners != 1);
                 assert_eq!(wrong, None, "{view:?} in strips of {width}");
             }
+        }
+    }
+
+    #[test]
+    fn large_sectors_come_first() {
+        for view in views() {
+            let sectors = rays(&view, DVec3::ONE).sectors(20);
+            let pixels = |sector: &Sector| -> i32 {
+                let lanes = (0..sector.steps).map(|k| sector.lanes(k));
+                lanes.map(|[from, to]| to - from).sum()
+            };
+            let pixels: Vec<_> = sectors.iter().map(pixels).collect();
+            // Corners lie up to a pixel outside.
+            assert!(
+                pixels.windows(2).all(|pair| pair[0] + 150 >= pair[1]),
+                "{pixels:?}"
+            );
         }
     }
 
