@@ -33,7 +33,7 @@ impl DetailOptions {
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
         meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.25 is \
-                  nearest to the truth in a single picture) to 4 (calmer); default 1.9, as calm as \
+                  nearest to the truth in a single picture) to 4 (calmer); default 1.95, as calm as \
                   the truth in a flight",
     };
 
@@ -41,7 +41,7 @@ impl DetailOptions {
         let on = options.choice("lod", &[("off", false), ("on", true)])?;
         let read = Self {
             cell: options.number("cell", 0.25..=8.0)?.unwrap_or(2.0),
-            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.9),
+            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.95),
         };
         Ok(on.then_some(read))
     }
