@@ -39,12 +39,14 @@ impl Scheme {
     /// Does `work` for each of `units`, on the current thread pool, and waits for all of it.
     pub(crate) fn run(self, units: usize, work: impl Fn(usize) + Send + Sync) {
         match self {
-            Self::WorkStealing => rayon::scope_fifo(|scope| {
-                for unit in 0..units {
-                    let work = &work;
-                    scope.spawn_fifo(move |_| work(unit));
-                }
-            }),
+            Self::WorkStealing => {
+                let work = &work;
+                rayon::scope_fifo(|scope| {
+                    for unit in 0..units {
+                        scope.spawn_fifo(move |_| work(unit));
+                    }
+                });
+            }
             Self::StaticInterleave => {
                 rayon::broadcast(|thread| {
                     (thread.index()..units)
