@@ -54,6 +54,13 @@ pub(crate) trait Tally {
             self.cell();
         }
     }
+    /// As `cells`, for those of sixteen rays, numbered from `first` on, of which the bits are set.
+    #[inline(always)]
+    fn cells_of(&mut self, first: i32, rays: u16) {
+        for ray in (0..16).filter(|ray| rays >> ray & 1 != 0) {
+            self.cells(&[first + ray]);
+        }
+    }
 }
 
 impl Tally for Work {
@@ -82,4 +89,8 @@ impl Tally for Uncounted {
 
     #[inline(always)]
     fn cell(&mut self) {}
+
+    // A compiler does not see that the default does nothing here.
+    #[inline(always)]
+    fn cells_of(&mut self, _: i32, _: u16) {}
 }

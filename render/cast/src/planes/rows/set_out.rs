@@ -181,9 +181,7 @@ impl<L: Lanes> March<'_, L> {
             for _ in 0..count {
                 tally.ray();
             }
-            for lane in (0..LANES).filter(|lane| departed >> lane & 1 != 0) {
-                tally.cells(&[(at + lane) as i32]);
-            }
+            tally.cells_of(at as i32, departed);
         }
         if self.frame.detail.is_none() {
             waves[0].low.truncate(low_end);
