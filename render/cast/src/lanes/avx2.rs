@@ -568,21 +568,17 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn halves(self, numbers: &SlabView<'_, u16>, at: I) -> I {
-        assert!(numbers.len() >= 2);
-        // Two bytes more are read than asked for, so the last place is read with the one before.
-        let from = limited(at, numbers.len() - 2);
-        let items = numbers.as_ptr().cast();
-        // SAFETY: four bytes can be read from each place on.
-        let pairs = unsafe {
-            [
-                _mm256_i32gather_epi32::<2>(items, from[0]),
-                _mm256_i32gather_epi32::<2>(items, from[1]),
-            ]
-        };
-        let is_first = self.eq_i(at, from);
-        let first = self.and_i(pairs, self.splat_i(0xffff));
-        self.select_i(is_first, first, on_halves!(_mm256_srli_epi32::<16>, pairs))
+    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+        assert!(!items.is_empty());
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(limited(at, items.len() - 1));
+        let from = items.as_ptr();
+        let address = |k| from.wrapping_add(places.lane(k)).cast();
+        // SAFETY: no place is behind the last pair.
+        unsafe {
+            let [low, high] = [apart(pairs(0, address)), apart(pairs(8, address))];
+            [0, 1].map(|k| [_mm256_castps_si256(low[k]), _mm256_castps_si256(high[k])])
+        }
     }
 
     #[inline(always)]

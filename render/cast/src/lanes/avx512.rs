@@ -108,39 +108,6 @@ fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
     }
 }
 
-/// The four bytes from each lane's place on: faster one by one than the instruction that gathers.
-///
-/// # Safety
-/// Four bytes can be read from each place on.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
-#[inline]
-unsafe fn singles<T>(items: &SlabView<'_, T>, at: __m512i) -> __m512i {
-    let mut memory = InMemory([0; LANES]);
-    let places = memory.store(at);
-    let from = items.as_ptr();
-    // SAFETY: the caller's promise.
-    let four = |lane: usize| unsafe {
-        from.wrapping_add(places.lane(lane))
-            .cast::<i32>()
-            .read_unaligned()
-    };
-    macro_rules! quarter {
-        ($k:expr) => {{
-            let one = _mm_cvtsi32_si128(four($k));
-            let two = _mm_insert_epi32::<1>(one, four($k + 1));
-            let three = _mm_insert_epi32::<2>(two, four($k + 2));
-            _mm_insert_epi32::<3>(three, four($k + 3))
-        }};
-    }
-    macro_rules! half {
-        ($k:expr) => {{
-            let low = _mm256_castsi128_si256(quarter!($k));
-            _mm256_inserti128_si256::<1>(low, quarter!($k + 4))
-        }};
-    }
-    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(half!(0)), half!(8))
-}
-
 /// Blends sixteen lanes' four texels: a southern and a northern row of neighbours, lanes 0 to 7 and
 /// 8 to 15 each.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
@@ -486,17 +453,21 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn halves(self, numbers: &SlabView<'_, u16>, at: __m512i) -> __m512i {
-        assert!(numbers.len() >= 2);
-        // Two bytes more are read than asked for, so the last place is read with the one before.
-        let last = i32::try_from(numbers.len() - 2).unwrap_or(i32::MAX);
-        // SAFETY: four bytes can be read from each place on.
+    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: __m512i) -> [__m512i; 2] {
+        assert!(!items.is_empty());
+        let last = i32::try_from(items.len() - 1).unwrap_or(i32::MAX);
+        let mut memory = InMemory([0; LANES]);
+        let places = memory.store(on_values!(_mm512_min_epu32(at, _mm512_set1_epi32(last))));
+        let from = items.as_ptr();
+        // SAFETY: no place is behind the last pair.
         unsafe {
-            let last = _mm512_set1_epi32(last);
-            let pairs = singles(numbers, _mm512_min_epu32(at, last));
-            let wanted = _mm512_and_si512(pairs, _mm512_set1_epi32(0xffff));
-            let behind = _mm512_cmpgt_epu32_mask(at, last);
-            _mm512_mask_srli_epi32::<16>(wanted, behind, pairs)
+            let [low, high] = pairs(|k| from.wrapping_add(places.lane(k)).cast());
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+            [
+                _mm512_permutex2var_epi32(low, even, high),
+                _mm512_permutex2var_epi32(low, odd, high),
+            ]
         }
     }
 

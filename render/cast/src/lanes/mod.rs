@@ -110,8 +110,8 @@ pub(crate) trait Lanes: Copy {
     /// north-east), of which the northern ones are `stride` further on. Places are those of cells
     /// of the view's tiles; what else is read is any number.
     fn cells(self, posts: &SlabView<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
-    /// The number at each lane's place.
-    fn halves(self, numbers: &SlabView<'_, u16>, at: Self::I) -> Self::I;
+    /// The two numbers at each lane's place.
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: Self::I) -> [Self::I; 2];
     /// The entry of a table at each lane's place; beyond its end the last one.
     fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
     /// As `cells`, of bytes.

@@ -530,17 +530,15 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn halves(self, numbers: &SlabView<'_, u16>, at: I) -> I {
-        assert!(!numbers.is_empty());
-        let last = numbers.len() - 1;
-        let mut lanes = [0; LANES];
-        self.store_i(at, &mut lanes);
-        for lane in &mut lanes {
-            let place = (*lane as u32 as usize).min(last);
-            // SAFETY: no place is behind the last number.
-            *lane = i32::from(unsafe { numbers.as_ptr().add(place).read() });
-        }
-        self.load_i(&lanes)
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+        assert!(!pairs.is_empty());
+        let last = pairs.len() - 1;
+        let mut places = [0; LANES];
+        self.store_i(at, &mut places);
+        // SAFETY: no place is behind the last pair.
+        let found = places
+            .map(|place| unsafe { pairs.as_ptr().add((place as u32 as usize).min(last)).read() });
+        [0, 1].map(|k| self.load_i(&found.map(|pair| pair[k] as i32)))
     }
 
     #[inline(always)]

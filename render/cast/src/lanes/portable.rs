@@ -283,10 +283,12 @@ impl Lanes for Portable {
         lanes
     }
     #[inline(always)]
-    fn halves(self, numbers: &SlabView<'_, u16>, at: I) -> I {
-        each(|k| {
-            let found = numbers.from_place(at[k] as u32).first();
-            i32::from(found.copied().unwrap_or(0))
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+        [0, 1].map(|number| {
+            each(|k| {
+                let found = pairs.from_place(at[k] as u32).first();
+                found.map_or(0, |pair| pair[number] as i32)
+            })
         })
     }
     #[inline(always)]

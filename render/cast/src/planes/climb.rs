@@ -2,23 +2,137 @@
 
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
-use super::maxima::{LEVEL_BEGIN, TOP};
+use super::roofs::{FINEST, LEVEL_BEGIN, TOP};
 use super::walk::Passage;
-use super::wave::{Wave, group, group_mut};
+use super::wave::{Ray, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
-/// The level of blocks for rays over the ground by so many times the limit of nearness.
+/// Cells that rays have to go, about, before they meet the ground: from which on they are led to
+/// the roofs of their blocks, and not right through their cells.
+pub(super) const NEAR: f32 = 1.0;
+
+/// And from which on the finest blocks are too small for them.
+pub(super) const FAR: f32 = 12.0;
+
+/// How many levels rays go down under a roof: half as wide blocks are as likely to be passed over
+/// as the one that was not.
+const DOWN: i32 = 2;
+
+/// The level of blocks for rays with so many cells to go.
 #[inline(always)]
-pub(super) fn level_for<L: Lanes>(l: L, over: L::F) -> L::I {
-    let one = l.splat_i(1);
-    let level = l.add_i(l.exponent(over), one);
-    l.max_i(l.min_i(level, l.splat_i(TOP as i32)), one)
+pub(super) fn level_for<L: Lanes>(l: L, to_go: L::F) -> L::I {
+    let finest = l.splat_i(FINEST as i32);
+    let level = l.add_i(l.exponent(l.mul(to_go, l.splat(0.25))), finest);
+    l.max_i(l.min_i(level, l.splat_i(TOP as i32)), finest)
 }
 
-/// Leads each ray of `wave` over one block, or to a smaller one where it is not wholly above it.
-/// Those that are down to single cells go to `low`, and those that are too far for this resolution
-/// to `coarser`. A ray that is over a block by more than the limit of nearness, times its size, goes
-/// on with larger ones.
+/// How rays came to a block's roof, or past it.
+pub(super) struct Approach<L: Lanes> {
+    /// Those that begin over it, and those of them that stay over it as long as the block is under
+    /// them.
+    pub(super) begins: L::M,
+    pub(super) clear: L::M,
+    /// Where all ground is lower up to: where rays leave the block, or come under its roof; the
+    /// mirrored cell there.
+    pub(super) t: L::F,
+    pub(super) cell: [L::I; 2],
+    /// Metres over the roof, where that is less.
+    pub(super) over: L::F,
+}
+
+/// Leads rays that are at t in a mirrored cell to the roof of their block, of which the roof lies at
+/// `place`.
+#[inline(always)]
+pub(super) fn approach<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    ray: &Ray<L>,
+    t: L::F,
+    [major, minor]: [L::I; 2],
+    level: L::I,
+    place: L::I,
+) -> Approach<L> {
+    let (zero, one) = (l.splat(0.0), l.splat_i(1));
+    let eye = l.splat(field.eye_height - field.rounding);
+    let [x, y] = field.cells(l, major, minor);
+    let [height, rise] = l.pairs(&field.roofs.items, place);
+    let height = l.float_of_bits(height);
+    let east = l.float_of_bits(l.shl_i(rise, l.splat_i(16)));
+    let north = l.float_of_bits(l.and_i(rise, l.splat_i(-65536)));
+    let (major_cell, minor_cell, major_rise, minor_rise) = if field.major_axis == 0 {
+        (x, y, east, north)
+    } else {
+        (y, x, north, east)
+    };
+    let major_rise = l.mul(major_rise, l.splat(field.major.sign as f32));
+    let minor_rise = l.mul(minor_rise, l.splat(field.minor.sign as f32));
+    let (major_first, major_last) = block(l, &field.major, major, major_cell, level);
+    let (minor_first, minor_last) = block(l, &field.minor, minor, minor_cell, level);
+    let major_end = line(l, &field.major, major_last);
+    let minor_end = line(l, &field.minor, minor_last);
+    let minor_t = l.mul(minor_end, ray.inverse);
+    let by_major = l.lt(major_end, minor_t);
+    let next = l.max(l.min(major_end, minor_t), t);
+    let half = l.mul(l.to_float(l.shl_i(one, level)), l.splat(0.5));
+    let along = l.add(l.sub(t, major_end), half);
+    let aside = l.add(l.sub(l.mul(t, ray.advance), minor_end), half);
+    let roof = l.add(l.mul(major_rise, along), l.mul(minor_rise, aside));
+    let over = l.sub(l.sub(l.add(l.mul(t, ray.slope), eye), height), roof);
+    // It changes evenly.
+    let rate = l.sub(l.sub(ray.slope, major_rise), l.mul(minor_rise, ray.advance));
+    let length = l.sub(next, t);
+    let next_over = l.add(over, l.mul(rate, length));
+    let begins = l.lt(zero, over);
+    let clear = l.and(begins, l.lt(zero, next_over));
+    // Where it comes under the roof: a little before, whatever is rounded.
+    let part = l.mul(l.div(over, l.sub(over, next_over)), l.splat(0.999));
+    let under = l.add(t, l.mul(part, length));
+    let t = l.select(begins, l.select(clear, next, under), t);
+    let next_major = l.select_i(
+        l.and(clear, by_major),
+        l.add_i(major_last, one),
+        beside(l, t, &field.major, major_first, major_last),
+    );
+    let next_minor = l.select_i(
+        l.and_not(clear, by_major),
+        l.add_i(minor_last, one),
+        beside(
+            l,
+            l.mul(t, ray.advance),
+            &field.minor,
+            minor_first,
+            minor_last,
+        ),
+    );
+    Approach {
+        begins,
+        clear,
+        t,
+        cell: [
+            l.select_i(begins, next_major, major),
+            l.select_i(begins, next_minor, minor),
+        ],
+        over: l.min(over, next_over),
+    }
+}
+
+/// Which rays are so far over the roofs of their blocks that larger ones will do.
+#[inline(always)]
+pub(super) fn rises_far<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    ray: &Ray<L>,
+    to: &Approach<L>,
+    level: L::I,
+) -> L::M {
+    let size = l.to_float(l.shl_i(l.splat_i(1), level));
+    let far = l.mul(l.mul(size, l.splat(0.7)), field.steep(l, ray.slope));
+    l.and(to.clear, l.lt(far, to.over))
+}
+
+/// Leads each ray of `wave` over one block, or to where it comes under the block's roof, and to a
+/// smaller block there. Those that are down to single cells go to `low`, and those that are too far
+/// for this resolution to `coarser`. A ray that is far over a block goes on with larger ones.
 #[inline(always)]
 pub(super) fn climb<L: Lanes>(
     l: L,
@@ -28,100 +142,77 @@ pub(super) fn climb<L: Lanes>(
     passage: &mut Passage,
     mut coarser: Option<Coarser<'_>>,
 ) {
-    let (zero, one) = (l.splat_i(0), l.splat_i(1));
     let top = l.splat_i(TOP as i32);
-    let eye = l.splat(field.eye_height);
-    let near = l.splat(field.near);
+    let finest = l.splat_i(FINEST as i32);
     let rays = wave.len();
     for at in (0..rays).step_by(LANES) {
-        place(l, field, wave, passage, at);
+        let place = place(
+            l,
+            field,
+            l.mask(wave.mask(at)),
+            wave.cell(l, at),
+            wave.level(l, at),
+        );
+        l.store_i(place, group_mut(&mut passage.place, at));
     }
     let (mut kept, mut landed) = (0, low.len());
     for at in (0..rays).step_by(LANES) {
         let mask = l.mask(wave.mask(at));
         let ray = wave.ray(l, at);
-        let t = wave.t(l, at);
-        let [major, minor] = wave.cell(l, at);
         let level = wave.level(l, at);
-        let [x, y] = field.cells(l, major, minor);
         let place = l.load_i(group(&passage.place, at));
-        let code = l.halves(&field.maxima.items, place);
-        let highest = l.add(
-            l.mul(l.to_float(code), l.splat(field.code_step)),
-            l.splat(field.code_base),
+        let to = approach(
+            l,
+            field,
+            &ray,
+            wave.t(l, at),
+            wave.cell(l, at),
+            level,
+            place,
         );
-        let (major_cell, minor_cell) = if field.major_axis == 0 {
-            (x, y)
-        } else {
-            (y, x)
-        };
-        let (major_first, major_last) = block(l, &field.major, major, major_cell, level);
-        let (minor_first, minor_last) = block(l, &field.minor, minor, minor_cell, level);
-        let major_t = line(l, &field.major, major_last);
-        let minor_t = l.mul(line(l, &field.minor, minor_last), ray.inverse);
-        let by_major = l.lt(major_t, minor_t);
-        let next = l.max(l.min(major_t, minor_t), t);
-        let height = l.add(l.mul(t, ray.slope), eye);
-        let next_height = l.add(l.mul(next, ray.slope), eye);
-        let over = l.sub(l.min(height, next_height), highest);
-        let clear = l.lt(l.splat(field.rounding), over);
-        let along = l.mul(next, ray.advance);
-        let next_major = l.select_i(
-            by_major,
-            l.add_i(major_last, one),
-            beside(l, next, &field.major, major_first, major_last),
-        );
-        let next_minor = l.select_i(
-            by_major,
-            beside(l, along, &field.minor, minor_first, minor_last),
-            l.add_i(minor_last, one),
-        );
-        let major = l.select_i(clear, next_major, major);
-        let minor = l.select_i(clear, next_minor, minor);
-        let t = l.select(clear, next, t);
-        let left = l.and_not(l.and(mask, clear), l.lt(next, ray.leave));
+        let left = l.and_not(l.and(mask, to.begins), l.lt(to.t, ray.leave));
         if let Some(coarser) = &mut coarser
             && l.bits(left) != 0
         {
             let leave = field.leave(l, ray.inverse, ray.slope);
-            let passes = l.and(left, l.lt(next, leave));
-            coarser.take(l, passes, &ray, next, leave, Some(level));
+            let passes = l.and(left, l.lt(to.t, leave));
+            coarser.take(l, passes, &ray, to.t, leave, Some(level));
         }
-        let size = l.to_float(l.shl_i(one, level));
-        let high = l.and(clear, l.lt(l.mul(size, near), over));
-        let level = l.add_i_where(high, level, one);
-        let level = l.add_i_where(l.and_not(mask, clear), level, l.splat_i(-1));
-        let level = l.min_i(level, top);
+        let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
+        let level = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
         let going = l.and_not(mask, left);
-        let high = l.gt_i(level, zero);
-        kept = wave.put_at_level(l, kept, l.and(going, high), &ray, t, [major, minor], level);
-        let down = l.and_not(going, high);
+        let down = l.and(going, l.gt_i(finest, level));
+        let going = l.and_not(going, down);
+        kept = wave.put_at_level(l, kept, going, &ray, to.t, to.cell, level);
         if l.bits(down) != 0 {
-            landed = low.put(l, landed, down, &ray, t, [major, minor]);
+            landed = low.put(l, landed, down, &ray, to.t, to.cell);
         }
     }
     wave.truncate(kept);
     low.truncate(landed);
 }
 
-/// Finds where the bounds of a group's blocks lie, and asks for their memory where it may be far:
-/// all of a wave's before any is read.
+/// Where the roofs of a group's blocks lie; asks for their memory where it may be far.
 #[inline(always)]
-fn place<L: Lanes>(l: L, field: &Field<'_>, wave: &Wave, passage: &mut Passage, at: usize) {
-    let [major, minor] = wave.cell(l, at);
-    let level = wave.level(l, at);
+pub(super) fn place<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    mask: L::M,
+    [major, minor]: [L::I; 2],
+    level: L::I,
+) -> L::I {
     let [x, y] = field.cells(l, major, minor);
     let within = l.splat_i(255);
     let row = l.shr_i(l.and_i(y, within), level);
     let col = l.shr_i(l.and_i(x, within), level);
     let side = l.sub_i(l.splat_i(TOP as i32), level);
     let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
-    let place = l.add_i(field.maxima.base(l, x, y), block_at);
-    let place = field.maxima.only(l, l.mask(wave.mask(at)), place);
+    let place = l.add_i(field.roofs.base(l, x, y), block_at);
+    let place = field.roofs.only(l, mask, place);
     if field.ahead.is_some() {
-        l.prefetch::<_, 1>(&field.maxima.items, place);
+        l.prefetch::<_, 1>(&field.roofs.items, place);
     }
-    l.store_i(place, group_mut(&mut passage.place, at));
+    place
 }
 
 /// The distance from the eye of the line behind mirrored cell `last`.
@@ -155,7 +246,7 @@ fn block<L: Lanes>(l: L, axis: &Axis, cell: L::I, ground: L::I, level: L::I) -> 
 /// Where the blocks of each lane's level begin.
 #[inline(always)]
 fn level_begin<L: Lanes>(l: L, level: L::I) -> L::I {
-    // begin(l) = (4⁸ − 4^(9 − l)) / 3, as each level has four times the blocks of the next.
+    // begin(l) = (4⁷ − 4^(9 − l)) / 3, as each level has four times the blocks of the next.
     const ALL: i32 = (LEVEL_BEGIN[TOP as usize] + 1) * 3 + 1;
     let left = l.sub_i(l.splat_i(TOP as i32 + 1), level);
     let four = l.shl_i(l.splat_i(1), l.add_i(left, left));

@@ -1,6 +1,7 @@
 //! From one resolution of the ground to the next.
 
 use super::field::Field;
+use super::roofs::FINEST;
 use super::wave::{Ray, Wave};
 use crate::lanes::Lanes;
 
@@ -47,7 +48,7 @@ impl Coarser<'_> {
         };
         let cell = self.field.cell_at(l, t, ray.advance);
         if let Some(level) = level {
-            let level = l.max_i(l.sub_i(level, l.splat_i(1)), l.splat_i(1));
+            let level = l.max_i(l.sub_i(level, l.splat_i(1)), l.splat_i(FINEST as i32));
             let end = self.high.len();
             let end = self.high.put_at_level(l, end, mask, &ray, t, cell, level);
             self.high.truncate(end);

@@ -2,7 +2,8 @@
 
 use super::field::Tiles;
 use super::frame::Level;
-use super::maxima::{Maxima, Steepness};
+use super::roofs::Roofs;
+use super::steepness::Steepness;
 use crate::CastError;
 use crate::options::{CasterOption, Options};
 use rayon::prelude::*;
@@ -52,7 +53,7 @@ pub(super) struct Detail {
     options: DetailOptions,
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
-    bounds: Vec<(Maxima, Steepness)>,
+    bounds: Vec<(Roofs, Steepness)>,
     photo: Option<Texture>,
     /// Tints in shaded relief, a pixel a post, where the photo does not cover all ground.
     tints: Option<Texture>,
@@ -104,10 +105,7 @@ impl Detail {
         Self {
             options,
             bounds: coarser
-                .map(|heights| {
-                    let maxima = Maxima::new(heights, ground.range());
-                    (maxima, Steepness::new(heights))
-                })
+                .map(|heights| (Roofs::new(heights), Steepness::new(heights)))
                 .collect(),
             heights,
             photo: ground.photo().map(|photo| Texture::of_photo(photo, ground)),
@@ -141,9 +139,11 @@ impl Detail {
             options: self.options,
             bounds: levels
                 .zip(&reached[1..])
-                .map(|(((maxima, steepness), heights), tiles)| {
-                    let maxima = maxima.updated(heights, ground.range(), tiles);
-                    (maxima, steepness.updated(heights, tiles))
+                .map(|(((roofs, steepness), heights), tiles)| {
+                    (
+                        roofs.updated(heights, tiles),
+                        steepness.updated(heights, tiles),
+                    )
                 })
                 .collect(),
             heights,
@@ -164,7 +164,7 @@ impl Detail {
     /// The ground's coarser levels.
     pub(super) fn coarser(&self) -> impl Iterator<Item = Level<'_>> {
         let levels = self.heights.levels()[1..].iter().zip(&self.bounds);
-        levels.map(|(heights, (maxima, steepness))| Level::new(heights, maxima, steepness))
+        levels.map(|(heights, (roofs, steepness))| Level::new(heights, roofs, steepness))
     }
 
     pub(super) fn frame(&self) -> DetailFrame<'_> {

@@ -1,6 +1,7 @@
 //! The ground as one sector's rays meet it: mirrored and turned, so that all of them run the same
 //! way.
 
+use super::roofs::Roof;
 use crate::lanes::Lanes;
 use sandtable_terrain::SlabView;
 
@@ -174,7 +175,7 @@ impl Axis {
 /// parameter, are those of that resolution.
 pub(super) struct Field<'a> {
     pub(super) heights: &'a Tiles<'a, f32>,
-    pub(super) maxima: &'a Tiles<'a, u16>,
+    pub(super) roofs: &'a Tiles<'a, Roof>,
     /// The axis along which rays advance by 1 cell for each 1 of their parameter, and the other.
     pub(super) major: Axis,
     pub(super) minor: Axis,
@@ -186,12 +187,10 @@ pub(super) struct Field<'a> {
     /// Above all ground, by more than heights are rounded by.
     pub(super) highest: f32,
     pub(super) rounding: f32,
-    pub(super) code_base: f32,
-    pub(super) code_step: f32,
     /// Cells of the ground along a side of a cell.
     pub(super) scale: f32,
-    /// Metres over the ground from which on blocks of cells are skipped.
-    pub(super) near: f32,
+    /// How fast rays are taken to come nearer to the ground that do not fall: metres for each 1 of t.
+    pub(super) ease: f32,
     /// Where the ground ends, in cells from the eye along major and minor axis.
     pub(super) ends: [f32; 2],
     /// Where the ground is too large for a core's own caches: how far behind a cell's place its
@@ -200,6 +199,15 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
+    /// How fast rays come nearer to the ground, about: metres for each 1 of t.
+    #[inline(always)]
+    pub(super) fn steep<L: Lanes>(&self, l: L, slope: L::F) -> L::F {
+        l.add(
+            l.max(l.sub(l.splat(0.0), slope), l.splat(0.0)),
+            l.splat(self.ease),
+        )
+    }
+
     /// Where rays have left all ground.
     #[inline(always)]
     pub(super) fn leave<L: Lanes>(&self, l: L, inverse: L::F, slope: L::F) -> L::F {

@@ -2,8 +2,9 @@
 
 use super::detail::DetailFrame;
 use super::field::Tiles;
-use super::maxima::{Maxima, Steepness};
+use super::roofs::{Roof, Roofs};
 use super::sectors::{ImageRays, Sector};
+use super::steepness::Steepness;
 use crate::intersect::GridFrame;
 use crate::lanes::Isa;
 use glam::DVec3;
@@ -16,10 +17,7 @@ const SMALL: i32 = 1 << 18;
 /// The ground at one resolution.
 pub(super) struct Level<'a> {
     pub(super) heights: Tiles<'a, f32>,
-    pub(super) maxima: Tiles<'a, u16>,
-    /// The height that code 0 of the maxima stands for, and the metres from code to code.
-    pub(super) code_base: f32,
-    pub(super) code_step: f32,
+    pub(super) roofs: Tiles<'a, Roof>,
     /// Cells along x and y.
     pub(super) cells: [i32; 2],
     /// How steep it is at most along x and y: metres for each of its cells.
@@ -29,7 +27,7 @@ pub(super) struct Level<'a> {
 impl<'a> Level<'a> {
     pub(super) fn new(
         heights: &'a TiledRaster<f32>,
-        maxima: &'a Maxima,
+        roofs: &'a Roofs,
         steepness: &Steepness,
     ) -> Self {
         Self {
@@ -39,9 +37,7 @@ impl<'a> Level<'a> {
                 heights.tiles_across(),
                 heights.tile_stride(),
             ),
-            maxima: Tiles::new(maxima.view(), heights.tiles_across(), 0),
-            code_base: maxima.base,
-            code_step: maxima.step,
+            roofs: Tiles::new(roofs.view(), heights.tiles_across(), 0),
             cells: [heights.cols() as i32 - 1, heights.rows() as i32 - 1],
         }
     }
@@ -71,6 +67,6 @@ pub(super) struct Frame<'a> {
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.
     pub(super) alone: Option<GridFrame<'a>>,
-    /// Metres over the ground from which on blocks of cells are skipped.
-    pub(super) near: f32,
+    /// How fast rays are taken to come nearer to the ground that do not fall: metres a cell.
+    pub(super) ease: f32,
 }

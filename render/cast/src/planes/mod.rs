@@ -8,11 +8,12 @@ mod field;
 mod floor;
 mod footprint;
 mod frame;
-mod maxima;
 mod pixels;
+mod roofs;
 mod rows;
 mod sectors;
 mod shade;
+mod steepness;
 mod survey;
 mod texture;
 mod walk;
@@ -23,9 +24,10 @@ pub use self::survey::Survey;
 
 use self::detail::{Detail, DetailOptions};
 use self::frame::{Frame, Level};
-use self::maxima::{Maxima, Steepness};
+use self::roofs::Roofs;
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{ImageRays, Sector};
+use self::steepness::Steepness;
 use crate::brute::cast_row;
 use crate::canvas::Canvas;
 use crate::intersect::GridFrame;
@@ -82,7 +84,7 @@ impl Caster for Planes {
 struct PlanesScene {
     isa: Isa,
     scene: Arc<Scene>,
-    maxima: Maxima,
+    roofs: Roofs,
     steepness: Steepness,
     detail: Option<Detail>,
 }
@@ -91,7 +93,7 @@ impl PlanesScene {
     fn new(isa: Isa, detail: Option<DetailOptions>, scene: Arc<Scene>) -> Self {
         Self {
             isa,
-            maxima: Maxima::new(scene.ground.heights(), scene.ground.range()),
+            roofs: Roofs::new(scene.ground.heights()),
             steepness: Steepness::new(scene.ground.heights()),
             detail: detail.map(|options| Detail::new(options, &scene.ground)),
             scene,
@@ -161,9 +163,7 @@ impl UnitCaster for PlanesScene {
     ) -> Result<Arc<dyn PreparedScene>, CastError> {
         Ok(Arc::new(Self {
             isa: self.isa,
-            maxima: self
-                .maxima
-                .updated(scene.ground.heights(), scene.ground.range(), changed),
+            roofs: self.roofs.updated(scene.ground.heights(), changed),
             steepness: self.steepness.updated(scene.ground.heights(), changed),
             detail: self
                 .detail
@@ -185,7 +185,7 @@ impl UnitCaster for PlanesScene {
             per_metre,
             view.size,
         );
-        let mut levels = vec![Level::new(ground.heights(), &self.maxima, &self.steepness)];
+        let mut levels = vec![Level::new(ground.heights(), &self.roofs, &self.steepness)];
         if let Some(detail) = &self.detail {
             levels.extend(detail.coarser());
         }
@@ -201,7 +201,7 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
-            near: 3.0 * grid.cell_length() as f32,
+            ease: 0.5 * grid.cell_length() as f32,
         })
     }
 

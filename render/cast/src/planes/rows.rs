@@ -107,7 +107,7 @@ impl<'a, L: Lanes> March<'a, L> {
             ];
             Field {
                 heights: &ground.heights,
-                maxima: &ground.maxima,
+                roofs: &ground.roofs,
                 major,
                 minor,
                 major_axis: sector.major,
@@ -115,10 +115,8 @@ impl<'a, L: Lanes> March<'a, L> {
                 eye_rest: (frame.eye.z - f64::from(frame.eye.z as f32)) as f32,
                 highest: frame.highest + frame.rounding,
                 rounding: frame.rounding,
-                code_base: ground.code_base,
-                code_step: ground.code_step,
                 scale: scale as f32,
-                near: frame.near * scale as f32,
+                ease: frame.ease * scale as f32,
                 ends: [0.0; 2],
                 ahead: ground.is_large().then(|| {
                     let [x, y] = if sector.major == 0 {
@@ -245,7 +243,7 @@ impl<'a, L: Lanes> March<'a, L> {
         depart(
             self.l,
             &self.fields[0],
-            &scratch.departure,
+            &mut scratch.departure,
             &Step {
                 first: self.slot(step) + MARGIN + lanes[0] as usize,
                 count: (lanes[1] - lanes[0]) as usize,

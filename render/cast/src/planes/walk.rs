@@ -1,8 +1,9 @@
 //! Cell by cell: the exact meeting of rays with the ground's bilinear surface.
 
-use super::climb::level_for;
+use super::climb::{self, NEAR, approach, level_for, rises_far};
 use super::coarser::Coarser;
 use super::field::Field;
+use super::roofs::FINEST;
 use super::wave::{CAPACITY, CHUNK, Column, Ray, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
@@ -54,6 +55,8 @@ pub(super) struct Departure {
     minor: [i32; CHUNK],
     /// Which lanes of each group set out here.
     masks: [u16; CHUNK / LANES],
+    /// And which of them are led to a roof first.
+    high: [u16; CHUNK / LANES],
 }
 
 impl Default for Departure {
@@ -65,6 +68,7 @@ impl Default for Departure {
             major: [0; CHUNK],
             minor: [0; CHUNK],
             masks: [0; CHUNK / LANES],
+            high: [0; CHUNK / LANES],
         }
     }
 }
@@ -82,6 +86,7 @@ impl Departure {
     #[inline(always)]
     pub(super) fn clear(&mut self, at: usize) {
         self.masks[at / LANES] = 0;
+        self.high[at / LANES] = 0;
     }
 
     /// Takes the rays of `mask` as the group that begins at lane `at`, each with its t and its
@@ -92,11 +97,13 @@ impl Departure {
         l: L,
         at: usize,
         mask: L::M,
+        high: L::M,
         ray: &Ray<L>,
         t: L::F,
         [major, minor]: [L::I; 2],
     ) {
         self.masks[at / LANES] = l.bits(mask);
+        self.high[at / LANES] = l.bits(high);
         l.store(ray.inverse, lanes_mut(&mut self.inverse, at));
         l.store(ray.leave, lanes_mut(&mut self.leave, at));
         l.store(t, lanes_mut(&mut self.t, at));
@@ -129,13 +136,22 @@ pub(super) struct Step<'a> {
 pub(super) fn depart<L: Lanes>(
     l: L,
     field: &Field<'_>,
-    departure: &Departure,
+    departure: &mut Departure,
     step: &Step<'_>,
     low: &mut Wave,
     high: &mut Wave,
     passage: &mut Passage,
     reached: &mut [f32],
 ) {
+    if departure.high[..step.count.div_ceil(LANES)]
+        .iter()
+        .any(|&high| high != 0)
+    {
+        l.vectorize(
+            #[inline(always)]
+            || lead_to_roofs(l, field, departure, step, high, passage),
+        );
+    }
     l.vectorize(
         #[inline(always)]
         || {
@@ -206,6 +222,67 @@ pub(super) fn depart<L: Lanes>(
             high.truncate(risen);
         },
     );
+}
+
+/// Leads rays that set out to the roofs of their blocks: those that pass over them go on in `wave`.
+#[inline(always)]
+fn lead_to_roofs<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    departure: &mut Departure,
+    step: &Step<'_>,
+    wave: &mut Wave,
+    passage: &mut Passage,
+) {
+    let finest = l.splat_i(FINEST as i32);
+    let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
+    let groups = || (0..step.count).step_by(LANES);
+    for at in groups() {
+        let high = departure.high[at / LANES];
+        if high != 0 {
+            let place = climb::place(l, field, l.mask(high), departure.cell(l, at), finest);
+            l.store_i(place, group_mut(&mut passage.place, at));
+        }
+    }
+    let mut risen = wave.len();
+    for at in groups() {
+        let high = departure.high[at / LANES];
+        if high == 0 {
+            continue;
+        }
+        let id = step.first + at;
+        let ray = Ray {
+            advance: l.load(lanes(step.advance, id)),
+            inverse: l.load(lanes(&departure.inverse, at)),
+            slope: l.load(lanes(step.slope, id)),
+            leave: l.load(lanes(&departure.leave, at)),
+            id: l.add_i(numbers, l.splat_i(id as i32)),
+        };
+        let (t, cell) = (l.load(lanes(&departure.t, at)), departure.cell(l, at));
+        let place = l.load_i(group(&passage.place, at));
+        let to = approach(l, field, &ray, t, cell, finest, place);
+        let mask = l.mask(high);
+        let t = l.select(mask, to.t, t);
+        l.store(t, lanes_mut(&mut departure.t, at));
+        l.store_i(
+            l.select_i(mask, to.cell[0], cell[0]),
+            lanes_mut(&mut departure.major, at),
+        );
+        l.store_i(
+            l.select_i(mask, to.cell[1], cell[1]),
+            lanes_mut(&mut departure.minor, at),
+        );
+        let past = l.and(mask, to.clear);
+        let left = l.and_not(mask, l.lt(t, ray.leave));
+        let past = l.or(past, left);
+        departure.masks[at / LANES] &= !l.bits(past);
+        let past = l.and_not(past, left);
+        if l.bits(past) != 0 {
+            let level = l.add_i_where(rises_far(l, field, &ray, &to, finest), finest, l.splat_i(1));
+            risen = wave.put_at_level(l, risen, past, &ray, t, to.cell, level);
+        }
+    }
+    wave.truncate(risen);
 }
 
 /// Finds where the posts of a group's cells lie, and asks for their memory where it may be far.
@@ -330,12 +407,13 @@ fn go_on<L: Lanes>(
     let one_cell = l.splat_i(1);
     let major = l.add_i_where(met.crosses_major, major, one_cell);
     let minor = l.add_i_where(l.and_not(going, met.crosses_major), minor, one_cell);
-    let up = l.and(going, l.lt(l.splat(field.near), met.clearance));
+    let steep = field.steep(l, ray.slope);
+    let up = l.and(going, l.lt(l.mul(steep, l.splat(NEAR)), met.clearance));
     let kept = low.put(l, kept, l.and_not(going, up), ray, met.next, [major, minor]);
     if l.bits(up) == 0 {
         return [kept, risen];
     }
-    let level = level_for(l, l.mul(met.clearance, l.splat(1.0 / field.near)));
+    let level = level_for(l, l.div(met.clearance, steep));
     let risen = high.put_at_level(l, risen, up, ray, met.next, [major, minor], level);
     [kept, risen]
 }

@@ -5,8 +5,8 @@ use super::directions::{Aim, Aimed};
 use super::scratch::{MARGIN, MEMORY, Scratch, Waves, group, group_mut};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
-use crate::planes::climb::level_for;
-use crate::planes::maxima::TOP;
+use crate::planes::climb::{FAR, NEAR, level_for};
+use crate::planes::roofs::TOP;
 use crate::planes::wave::Ray;
 use crate::tally::Tally;
 
@@ -47,8 +47,6 @@ impl<L: Lanes> March<'_, L> {
         let eye = self.fields[0].eye_height;
         let above = eye > self.fields[0].highest;
         let top = self.fields[0].highest - eye;
-        let near_limit = l.splat(self.frame.near);
-        let inverse_near = l.splat(1.0 / self.frame.near);
         let highest_level = l.splat_i(TOP as i32);
         let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
@@ -149,16 +147,21 @@ impl<L: Lanes> March<'_, L> {
                         low: near,
                         high: far,
                     } = &mut waves[0];
-                    let high = l.and(known, l.lt(near_limit, over));
+                    let field = &self.fields[0];
+                    let steep = field.steep(l, slope);
+                    let high = l.and(known, l.lt(l.mul(steep, l.splat(FAR)), over));
                     let low = l.and_not(known, high);
                     if l.bits(low).count_ones() >= MANY {
-                        scratch.departure.put(l, in_chunk, low, &ray, start, cell);
+                        let roof = l.and(low, l.lt(l.mul(steep, l.splat(NEAR)), over));
+                        scratch
+                            .departure
+                            .put(l, in_chunk, low, roof, &ray, start, cell);
                         departed = l.bits(low);
                     } else {
                         low_end = near.put(l, low_end, low, &ray, start, cell);
                     }
                     if l.bits(high) != 0 {
-                        let level = level_for(l, l.mul(over, inverse_near));
+                        let level = level_for(l, l.div(over, steep));
                         high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
                     }
                 }
@@ -229,13 +232,14 @@ impl<L: Lanes> March<'_, L> {
                 ..*ray
             };
             let cell = field.cell_at(l, t, ray.advance);
-            let high = l.and(these, l.lt(l.splat(field.near), over));
+            let steep = field.steep(l, ray.slope);
+            let high = l.and(these, l.lt(l.mul(steep, l.splat(NEAR)), over));
             let low = l.and_not(these, high);
             let end = waves.low.len();
             let end = waves.low.put(l, end, low, &ray, t, cell);
             waves.low.truncate(end);
             if l.bits(high) != 0 {
-                let level = level_for(l, l.mul(over, l.splat(1.0 / field.near)));
+                let level = level_for(l, l.div(over, steep));
                 let end = waves.high.len();
                 let end = waves.high.put_at_level(l, end, high, &ray, t, cell, level);
                 waves.high.truncate(end);
