@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use super::roofs::FINEST;
-use super::wave::{Ray, Wave};
+use super::wave::{Ray, Wave, Waves};
 use crate::lanes::Lanes;
 
 /// Where rays go that are too far for the resolution that they are in.
@@ -15,7 +15,25 @@ pub(super) struct Coarser<'a> {
     pub(super) is_last: bool,
 }
 
-impl Coarser<'_> {
+impl<'a> Coarser<'a> {
+    /// What comes behind the resolution numbered `level` of `fields`, of which `waves` are on
+    /// their way over coarser ones.
+    #[inline(always)]
+    pub(super) fn behind(
+        fields: &'a [Field<'a>],
+        level: usize,
+        waves: &'a mut [Waves],
+    ) -> Option<Self> {
+        let field = fields.get(level + 1)?;
+        let waves = waves.first_mut()?;
+        Some(Self {
+            field,
+            low: &mut waves.low,
+            high: &mut waves.high,
+            is_last: level + 2 == fields.len(),
+        })
+    }
+
     /// Takes over the rays of `mask`, which have come to `t` and leave the ground at `leave`. Those
     /// that skipped blocks of `level` go on so.
     #[inline(always)]
@@ -49,13 +67,9 @@ impl Coarser<'_> {
         let cell = self.field.cell_at(l, t, ray.advance);
         if let Some(level) = level {
             let level = l.max_i(l.sub_i(level, l.splat_i(1)), l.splat_i(FINEST as i32));
-            let end = self.high.len();
-            let end = self.high.put_at_level(l, end, mask, &ray, t, cell, level);
-            self.high.truncate(end);
+            self.high.push_at_level(l, mask, &ray, t, cell, level);
         } else {
-            let end = self.low.len();
-            let end = self.low.put(l, end, mask, &ray, t, cell);
-            self.low.truncate(end);
+            self.low.push(l, mask, &ray, t, cell);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod climb;
 mod coarser;
+mod depart;
 mod detail;
 mod field;
 mod floor;

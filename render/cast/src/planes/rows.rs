@@ -12,16 +12,17 @@ pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::Scratch;
 pub(super) use survey::{begins, looks};
 
-use self::scratch::{MARGIN, MEMORY, Waves};
+use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;
 use super::coarser::Coarser;
+use super::depart::{Step, depart};
 use super::field::{Axis, Field};
 use super::footprint::Around;
 use super::frame::Frame;
 use super::sectors::Sector;
 use super::shade::{Chunk, Shader};
-use super::walk::{Step, depart, walk};
-use super::wave::CHUNK;
+use super::walk::walk;
+use super::wave::{CHUNK, Waves};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
 use crate::tally::Tally;
@@ -78,9 +79,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 #[inline(always)]
                 || march.set_out(step, chunk, canvas, scratch, tally),
             );
-            if frame.detail.is_none() {
-                march.depart(step, chunk, scratch);
-            }
+            march.depart(step, chunk, scratch);
             march.go_on(scratch, UNFINISHED, tally);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
@@ -237,12 +236,11 @@ impl<'a, L: Lanes> March<'a, L> {
         to.max(from)
     }
 
-    /// Leads a chunk's rays that set out low through their first cells.
+    /// Leads a chunk's rays that set out side by side on their first way.
     fn depart(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
-        let Waves { low, high } = &mut scratch.waves[0];
         depart(
             self.l,
-            &self.fields[0],
+            &self.fields,
             &mut scratch.departure,
             &Step {
                 first: self.slot(step) + MARGIN + lanes[0] as usize,
@@ -250,8 +248,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 advance: &scratch.advance,
                 slope: &scratch.slope,
             },
-            low,
-            high,
+            &mut scratch.waves,
             &mut scratch.passage,
             &mut scratch.reached,
         );
@@ -264,13 +261,7 @@ impl<'a, L: Lanes> March<'a, L> {
         while let Some((level, climbs)) = self.next_wave(scratch, unfinished) {
             let (waves, behind) = scratch.waves[level..].split_at_mut(1);
             let Waves { low, high } = &mut waves[0];
-            let coarser = self.fields.get(level + 1).zip(behind.first_mut());
-            let coarser = coarser.map(|(field, waves)| Coarser {
-                field,
-                low: &mut waves.low,
-                high: &mut waves.high,
-                is_last: level + 2 == self.fields.len(),
-            });
+            let coarser = Coarser::behind(&self.fields, level, behind);
             tally.cells(if climbs { high.ids() } else { low.ids() });
             let field = &self.fields[level];
             if climbs {

@@ -1,10 +1,9 @@
 //! Cell by cell: the exact meeting of rays with the ground's bilinear surface.
 
-use super::climb::{self, NEAR, approach, level_for, rises_far};
+use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
-use super::roofs::FINEST;
-use super::wave::{CAPACITY, CHUNK, Column, Ray, Wave, group, group_mut};
+use super::wave::{CAPACITY, Column, Ray, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
 /// What one cell's or block's passage needs between its loops.
@@ -44,250 +43,9 @@ fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4
     }
 }
 
-/// Rays of a step that set out low over the ground, a number a lane: most of them end in their first
-/// cell, so they go through it where they are, and only those that go on are closed up into a wave.
-#[repr(align(64))]
-pub(super) struct Departure {
-    inverse: [f32; CHUNK],
-    leave: [f32; CHUNK],
-    t: [f32; CHUNK],
-    major: [i32; CHUNK],
-    minor: [i32; CHUNK],
-    /// Which lanes of each group set out here.
-    masks: [u16; CHUNK / LANES],
-    /// And which of them are led to a roof first.
-    high: [u16; CHUNK / LANES],
-}
-
-impl Default for Departure {
-    fn default() -> Self {
-        Self {
-            inverse: [0.0; CHUNK],
-            leave: [0.0; CHUNK],
-            t: [0.0; CHUNK],
-            major: [0; CHUNK],
-            minor: [0; CHUNK],
-            masks: [0; CHUNK / LANES],
-            high: [0; CHUNK / LANES],
-        }
-    }
-}
-
-fn lanes<T>(numbers: &[T], at: usize) -> &[T; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
-}
-
-fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
-    numbers[at..].first_chunk_mut().expect("room was made")
-}
-
-impl Departure {
-    /// Forgets the rays of the group that begins at lane `at`.
-    #[inline(always)]
-    pub(super) fn clear(&mut self, at: usize) {
-        self.masks[at / LANES] = 0;
-        self.high[at / LANES] = 0;
-    }
-
-    /// Takes the rays of `mask` as the group that begins at lane `at`, each with its t and its
-    /// mirrored cell there.
-    #[inline(always)]
-    pub(super) fn put<L: Lanes>(
-        &mut self,
-        l: L,
-        at: usize,
-        mask: L::M,
-        high: L::M,
-        ray: &Ray<L>,
-        t: L::F,
-        [major, minor]: [L::I; 2],
-    ) {
-        self.masks[at / LANES] = l.bits(mask);
-        self.high[at / LANES] = l.bits(high);
-        l.store(ray.inverse, lanes_mut(&mut self.inverse, at));
-        l.store(ray.leave, lanes_mut(&mut self.leave, at));
-        l.store(t, lanes_mut(&mut self.t, at));
-        l.store_i(major, lanes_mut(&mut self.major, at));
-        l.store_i(minor, lanes_mut(&mut self.minor, at));
-    }
-
-    #[inline(always)]
-    fn cell<L: Lanes>(&self, l: L, at: usize) -> [L::I; 2] {
-        [
-            l.load_i(lanes(&self.major, at)),
-            l.load_i(lanes(&self.minor, at)),
-        ]
-    }
-}
-
-/// The lanes of a step that set out together, among all numbers that are kept of it.
-pub(super) struct Step<'a> {
-    /// The number of the first lane, and how many lanes there are.
-    pub(super) first: usize,
-    pub(super) count: usize,
-    pub(super) advance: &'a [f32],
-    pub(super) slope: &'a [f32],
-}
-
-/// Leads the rays of a step that set out low through their first cells, as [`walk`] does. Those that
-/// go on join `low`, or `high`.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
-pub(super) fn depart<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    departure: &mut Departure,
-    step: &Step<'_>,
-    low: &mut Wave,
-    high: &mut Wave,
-    passage: &mut Passage,
-    reached: &mut [f32],
-) {
-    if departure.high[..step.count.div_ceil(LANES)]
-        .iter()
-        .any(|&high| high != 0)
-    {
-        l.vectorize(
-            #[inline(always)]
-            || lead_to_roofs(l, field, departure, step, high, passage),
-        );
-    }
-    l.vectorize(
-        #[inline(always)]
-        || {
-            for at in (0..step.count).step_by(LANES) {
-                let mask = departure.masks[at / LANES];
-                if mask != 0 {
-                    let cell = departure.cell(l, at);
-                    place(l, field, l.mask(mask), cell, passage, at);
-                }
-            }
-        },
-    );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            for at in (0..step.count).step_by(LANES) {
-                if departure.masks[at / LANES] != 0 {
-                    fetch(l, field, passage, at);
-                }
-            }
-        },
-    );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
-            let tiny = l.splat(f32::MIN_POSITIVE);
-            let (mut kept, mut risen) = (low.len(), high.len());
-            for at in (0..step.count).step_by(LANES) {
-                let mask = departure.masks[at / LANES];
-                if mask == 0 {
-                    continue;
-                }
-                let id = step.first + at;
-                let ray = Ray {
-                    advance: l.load(lanes(step.advance, id)),
-                    inverse: l.load(lanes(&departure.inverse, at)),
-                    slope: l.load(lanes(step.slope, id)),
-                    leave: l.load(lanes(&departure.leave, at)),
-                    id: l.add_i(numbers, l.splat_i(id as i32)),
-                };
-                let t = l.load(lanes(&departure.t, at));
-                let [major, minor] = departure.cell(l, at);
-                let met = meet(l, field, &ray, t, [major, minor], passage, at);
-                let mask = l.mask(mask);
-                let hit = l.and(mask, met.hit);
-                // What is still on its way is set when it has come further.
-                let nothing = l.sub(l.splat(0.0), l.max(ray.leave, tiny));
-                let result = l.select(hit, met.hit_t, nothing);
-                l.store(result, lanes_mut(reached, id));
-                let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
-                if l.bits(going) == 0 {
-                    continue;
-                }
-                [kept, risen] = go_on(
-                    l,
-                    field,
-                    low,
-                    high,
-                    [kept, risen],
-                    going,
-                    &ray,
-                    &met,
-                    [major, minor],
-                );
-            }
-            low.truncate(kept);
-            high.truncate(risen);
-        },
-    );
-}
-
-/// Leads rays that set out to the roofs of their blocks: those that pass over them go on in `wave`.
-#[inline(always)]
-fn lead_to_roofs<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    departure: &mut Departure,
-    step: &Step<'_>,
-    wave: &mut Wave,
-    passage: &mut Passage,
-) {
-    let finest = l.splat_i(FINEST as i32);
-    let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
-    let groups = || (0..step.count).step_by(LANES);
-    for at in groups() {
-        let high = departure.high[at / LANES];
-        if high != 0 {
-            let place = climb::place(l, field, l.mask(high), departure.cell(l, at), finest);
-            l.store_i(place, group_mut(&mut passage.place, at));
-        }
-    }
-    let mut risen = wave.len();
-    for at in groups() {
-        let high = departure.high[at / LANES];
-        if high == 0 {
-            continue;
-        }
-        let id = step.first + at;
-        let ray = Ray {
-            advance: l.load(lanes(step.advance, id)),
-            inverse: l.load(lanes(&departure.inverse, at)),
-            slope: l.load(lanes(step.slope, id)),
-            leave: l.load(lanes(&departure.leave, at)),
-            id: l.add_i(numbers, l.splat_i(id as i32)),
-        };
-        let (t, cell) = (l.load(lanes(&departure.t, at)), departure.cell(l, at));
-        let place = l.load_i(group(&passage.place, at));
-        let to = approach(l, field, &ray, t, cell, finest, place);
-        let mask = l.mask(high);
-        let t = l.select(mask, to.t, t);
-        l.store(t, lanes_mut(&mut departure.t, at));
-        l.store_i(
-            l.select_i(mask, to.cell[0], cell[0]),
-            lanes_mut(&mut departure.major, at),
-        );
-        l.store_i(
-            l.select_i(mask, to.cell[1], cell[1]),
-            lanes_mut(&mut departure.minor, at),
-        );
-        let past = l.and(mask, to.clear);
-        let left = l.and_not(mask, l.lt(t, ray.leave));
-        let past = l.or(past, left);
-        departure.masks[at / LANES] &= !l.bits(past);
-        let past = l.and_not(past, left);
-        if l.bits(past) != 0 {
-            let level = l.add_i_where(rises_far(l, field, &ray, &to, finest), finest, l.splat_i(1));
-            risen = wave.put_at_level(l, risen, past, &ray, t, to.cell, level);
-        }
-    }
-    wave.truncate(risen);
-}
-
 /// Finds where the posts of a group's cells lie, and asks for their memory where it may be far.
 #[inline(always)]
-fn place<L: Lanes>(
+pub(super) fn place<L: Lanes>(
     l: L,
     field: &Field<'_>,
     mask: L::M,
@@ -305,7 +63,7 @@ fn place<L: Lanes>(
 
 /// Fetches the posts of a group's cells.
 #[inline(always)]
-fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at: usize) {
+pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at: usize) {
     let place = l.load_i(group(&passage.place, at));
     let posts = l.cells(&field.heights.items, place, field.heights.stride);
     for (to, posts) in passage.posts.iter_mut().zip(posts) {
@@ -370,17 +128,7 @@ fn pass<L: Lanes>(
         let ray = wave.ray(l, at);
         let cell = wave.cell(l, at);
         let met = meet(l, field, &ray, wave.t(l, at), cell, passage, at);
-        let mut hit = l.and(mask, met.hit);
-        if let Some(coarser) = &mut coarser {
-            let ends = l.and_not(mask, l.lt(met.next, ray.leave));
-            if l.bits(ends) != 0 {
-                // The last cell of a coarse level may reach out over the ground's border.
-                let leave = field.leave(l, ray.inverse, ray.slope);
-                hit = l.and_not(hit, l.and(ends, l.lt(leave, met.hit_t)));
-                let passes = l.and_not(l.and(ends, l.lt(met.next, leave)), hit);
-                coarser.take(l, passes, &ray, met.next, leave, None);
-            }
-        }
+        let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
         l.scatter(hit, ray.id, l.mul(met.hit_t, scale), reached);
         let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
         [kept, risen] = go_on(l, field, wave, high, [kept, risen], going, &ray, &met, cell);
@@ -389,11 +137,36 @@ fn pass<L: Lanes>(
     high.truncate(risen);
 }
 
+/// Which rays meet the ground in their cell. Those that come to where this resolution ends go on to
+/// the coarser one.
+#[inline(always)]
+pub(super) fn hits_here<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    mask: L::M,
+    ray: &Ray<L>,
+    met: &Met<L>,
+    coarser: Option<&mut Coarser<'_>>,
+) -> L::M {
+    let mut hit = l.and(mask, met.hit);
+    if let Some(coarser) = coarser {
+        let ends = l.and_not(mask, l.lt(met.next, ray.leave));
+        if l.bits(ends) != 0 {
+            // The last cell of a coarse level may reach out over the ground's border.
+            let leave = field.leave(l, ray.inverse, ray.slope);
+            hit = l.and_not(hit, l.and(ends, l.lt(leave, met.hit_t)));
+            let passes = l.and_not(l.and(ends, l.lt(met.next, leave)), hit);
+            coarser.take(l, passes, ray, met.next, leave, None);
+        }
+    }
+    hit
+}
+
 /// Writes the rays of `going`, behind the cell that they met, to `low` and `high`, closed up from
 /// `ends` on; gives where the next go.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what rays are made of")]
-fn go_on<L: Lanes>(
+pub(super) fn go_on<L: Lanes>(
     l: L,
     field: &Field<'_>,
     low: &mut Wave,
@@ -419,20 +192,20 @@ fn go_on<L: Lanes>(
 }
 
 /// How rays came through a cell.
-struct Met<L: Lanes> {
+pub(super) struct Met<L: Lanes> {
     /// Those that meet the ground in it, and at which t.
-    hit: L::M,
-    hit_t: L::F,
+    pub(super) hit: L::M,
+    pub(super) hit_t: L::F,
     /// The t behind the cell, the clearance there in metres, and whether that is at a line across
     /// the major axis.
-    next: L::F,
+    pub(super) next: L::F,
     clearance: L::F,
     crosses_major: L::M,
 }
 
 /// Where rays that are at t in a mirrored cell meet the ground in it.
 #[inline(always)]
-fn meet<L: Lanes>(
+pub(super) fn meet<L: Lanes>(
     l: L,
     field: &Field<'_>,
     ray: &Ray<L>,

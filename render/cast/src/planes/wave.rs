@@ -175,4 +175,44 @@ impl Wave {
         l.compress_i(mask, level, group_mut(&mut self.level, to));
         self.put(l, to, mask, ray, t, cell)
     }
+
+    /// Adds the rays of `mask`.
+    #[inline(always)]
+    pub(super) fn push<L: Lanes>(
+        &mut self,
+        l: L,
+        mask: L::M,
+        ray: &Ray<L>,
+        t: L::F,
+        cell: [L::I; 2],
+    ) {
+        self.len = self.put(l, self.len, mask, ray, t, cell);
+    }
+
+    /// As `push`, with a level of blocks.
+    #[inline(always)]
+    pub(super) fn push_at_level<L: Lanes>(
+        &mut self,
+        l: L,
+        mask: L::M,
+        ray: &Ray<L>,
+        t: L::F,
+        cell: [L::I; 2],
+        level: L::I,
+    ) {
+        self.len = self.put_at_level(l, self.len, mask, ray, t, cell, level);
+    }
+}
+
+/// Rays over one resolution: those that go from cell to cell, and those that skip blocks.
+#[derive(Default)]
+pub(super) struct Waves {
+    pub(super) low: Box<Wave>,
+    pub(super) high: Box<Wave>,
+}
+
+impl Waves {
+    pub(super) fn len(&self) -> usize {
+        self.low.len() + self.high.len()
+    }
 }

@@ -2,12 +2,13 @@
 
 use crate::canvas::Canvas;
 use crate::lanes::LANES;
+use crate::planes::depart::Departure;
 use crate::planes::frame::Frame;
 use crate::planes::pixels::PixelBlock;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shading;
-use crate::planes::walk::{Departure, Passage};
-use crate::planes::wave::Wave;
+use crate::planes::walk::Passage;
+use crate::planes::wave::Waves;
 
 /// How many steps back the ray may lie from which one begins.
 pub(super) const MEMORY: usize = 8;
@@ -29,19 +30,6 @@ pub(in crate::planes) struct Scratch {
     pub(super) shading: Box<Shading>,
     /// Colours and depths of the last steps.
     pub(super) pixels: PixelBlock,
-}
-
-/// Rays over one resolution: those that go from cell to cell, and those that skip blocks.
-#[derive(Default)]
-pub(super) struct Waves {
-    pub(super) low: Box<Wave>,
-    pub(super) high: Box<Wave>,
-}
-
-impl Waves {
-    pub(super) fn len(&self) -> usize {
-        self.low.len() + self.high.len()
-    }
 }
 
 impl Scratch {

@@ -2,12 +2,12 @@
 
 use super::March;
 use super::directions::{Aim, Aimed};
-use super::scratch::{MARGIN, MEMORY, Scratch, Waves, group, group_mut};
+use super::scratch::{MARGIN, MEMORY, Scratch, group, group_mut};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
 use crate::planes::climb::{FAR, NEAR, level_for};
-use crate::planes::roofs::TOP;
-use crate::planes::wave::Ray;
+use crate::planes::depart::{Departing, Departure};
+use crate::planes::wave::{Ray, Waves};
 use crate::tally::Tally;
 
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
@@ -47,7 +47,6 @@ impl<L: Lanes> March<'_, L> {
         let eye = self.fields[0].eye_height;
         let above = eye > self.fields[0].highest;
         let top = self.fields[0].highest - eye;
-        let highest_level = l.splat_i(TOP as i32);
         let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
         let across = self.frame.detail.as_ref().map(|detail| {
@@ -56,7 +55,6 @@ impl<L: Lanes> March<'_, L> {
         });
         let slot = self.slot(step);
         let waves = &mut scratch.waves[..self.fields.len()];
-        let (mut low_end, mut high_end) = (waves[0].low.len(), waves[0].high.len());
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
         let mut shared = None;
@@ -109,7 +107,6 @@ impl<L: Lanes> March<'_, L> {
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             let mut fresh = ok;
-            let mut departed = 0;
             if across.is_none() && in_chunk.is_multiple_of(SHARED as usize) {
                 let ends = [first, lanes[1].min(first + SHARED) - 1];
                 shared = self.predecessor(step, towards, ends, self.steepest[0], 1);
@@ -138,33 +135,9 @@ impl<L: Lanes> March<'_, L> {
                 let known = l.and(known, ok);
                 fresh = l.and_not(ok, known);
                 let known = l.and(known, l.lt(start, leave));
-                let cell = self.fields[0].cell_at(l, start, advance);
                 let over = l.mul(start, l.splat(before.rise as f32));
-                if let Some(width) = width {
-                    self.begin(waves, known, &ray, start, over, width);
-                } else {
-                    let Waves {
-                        low: near,
-                        high: far,
-                    } = &mut waves[0];
-                    let field = &self.fields[0];
-                    let steep = field.steep(l, slope);
-                    let high = l.and(known, l.lt(l.mul(steep, l.splat(FAR)), over));
-                    let low = l.and_not(known, high);
-                    if l.bits(low).count_ones() >= MANY {
-                        let roof = l.and(low, l.lt(l.mul(steep, l.splat(NEAR)), over));
-                        scratch
-                            .departure
-                            .put(l, in_chunk, low, roof, &ray, start, cell);
-                        departed = l.bits(low);
-                    } else {
-                        low_end = near.put(l, low_end, low, &ray, start, cell);
-                    }
-                    if l.bits(high) != 0 {
-                        let level = level_for(l, l.div(over, steep));
-                        high_end = far.put_at_level(l, high_end, high, &ray, start, cell, level);
-                    }
-                }
+                let departure = &mut scratch.departure;
+                self.send(waves, departure, in_chunk, known, &ray, start, over, width);
             }
             if l.bits(fresh) != 0 {
                 let mut start = enter;
@@ -172,40 +145,37 @@ impl<L: Lanes> March<'_, L> {
                     start = l.max(start, l.div(l.splat(top), slope));
                 }
                 let fresh = l.and(fresh, l.lt(start, leave));
-                if let Some(width) = width {
-                    self.begin(waves, fresh, &ray, start, l.splat(f32::MAX), width);
-                } else {
-                    let cell = self.fields[0].cell_at(l, start, advance);
-                    let high = &mut waves[0].high;
-                    high_end =
-                        high.put_at_level(l, high_end, fresh, &ray, start, cell, highest_level);
-                }
+                let (departure, over) = (&mut scratch.departure, l.splat(f32::MAX));
+                self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
             }
             for _ in 0..count {
                 tally.ray();
             }
-            tally.cells_of(at as i32, departed);
-        }
-        if self.frame.detail.is_none() {
-            waves[0].low.truncate(low_end);
-            waves[0].high.truncate(high_end);
+            tally.cells_of(at as i32, scratch.departure.mask(in_chunk));
         }
     }
 
-    /// Puts rays on their way that are clear up to `start` and more than `over` metres over the
-    /// ground there, each at the resolution that suits its `width`: how many cells a pixel covers
-    /// across the ray for each 1 of t.
+    /// Puts rays on their way that are clear up to `start` and, about, `over` metres over the ground
+    /// there: those of the group that begins at lane `at` of a chunk. Where detail is chosen, a
+    /// pixel covers `width` cells across its ray for each 1 of t.
     #[inline(always)]
-    fn begin(
+    #[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
+    fn send(
         &self,
         waves: &mut [Waves],
+        departure: &mut Departure,
+        at: usize,
         mask: L::M,
         ray: &Ray<L>,
         start: L::F,
         over: L::F,
-        width: L::F,
+        width: Option<L::F>,
     ) {
         let l = self.l;
+        let Some(width) = width else {
+            self.send_over(0, waves, departure, at, mask, ray, start, over);
+            return;
+        };
         let coarsest = self.fields.len() as i32 - 1;
         let covered = l.max(l.mul(start, width), l.splat(1.0));
         let level = l.min_i(l.exponent(covered), l.splat_i(coarsest));
@@ -218,7 +188,7 @@ impl<L: Lanes> March<'_, L> {
             let number = levels[left.trailing_zeros() as usize];
             let these = l.and(l.mask(left), l.eq_i(level, l.splat_i(number)));
             left &= !l.bits(these);
-            let (field, waves) = (&self.fields[number as usize], &mut waves[number as usize]);
+            let field = &self.fields[number as usize];
             let (scale, inverse_scale) = (l.splat(field.scale), l.splat(1.0 / field.scale));
             let t = l.mul(start, inverse_scale);
             let leave = l.mul(ray.leave, inverse_scale);
@@ -231,19 +201,46 @@ impl<L: Lanes> March<'_, L> {
                 },
                 ..*ray
             };
-            let cell = field.cell_at(l, t, ray.advance);
-            let steep = field.steep(l, ray.slope);
-            let high = l.and(these, l.lt(l.mul(steep, l.splat(NEAR)), over));
-            let low = l.and_not(these, high);
-            let end = waves.low.len();
-            let end = waves.low.put(l, end, low, &ray, t, cell);
-            waves.low.truncate(end);
-            if l.bits(high) != 0 {
-                let level = level_for(l, l.div(over, steep));
-                let end = waves.high.len();
-                let end = waves.high.put_at_level(l, end, high, &ray, t, cell, level);
-                waves.high.truncate(end);
-            }
+            self.send_over(number as usize, waves, departure, at, these, &ray, t, over);
+        }
+    }
+
+    /// As `send`, over the resolution with a number; `ray` and `t` are that resolution's.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "as `send` has")]
+    fn send_over(
+        &self,
+        level: usize,
+        waves: &mut [Waves],
+        departure: &mut Departure,
+        at: usize,
+        mask: L::M,
+        ray: &Ray<L>,
+        t: L::F,
+        over: L::F,
+    ) {
+        let l = self.l;
+        let (field, waves) = (&self.fields[level], &mut waves[level]);
+        let cell = field.cell_at(l, t, ray.advance);
+        let steep = field.steep(l, ray.slope);
+        let far = l.and(mask, l.lt(l.mul(steep, l.splat(FAR)), over));
+        let mask = l.and_not(mask, far);
+        if l.bits(mask).count_ones() >= MANY && departure.mask(at) == 0 {
+            let high = l.and(mask, l.lt(l.mul(steep, l.splat(NEAR)), over));
+            let rays = Departing {
+                level,
+                mask,
+                high,
+                t,
+                cell,
+            };
+            departure.put(l, at, ray, &rays);
+        } else if l.bits(mask) != 0 {
+            waves.low.push(l, mask, ray, t, cell);
+        }
+        if l.bits(far) != 0 {
+            let blocks = level_for(l, l.div(over, steep));
+            waves.high.push_at_level(l, far, ray, t, cell, blocks);
         }
     }
 }

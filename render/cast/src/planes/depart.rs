@@ -1,0 +1,275 @@
+//! A step's rays set out: most end in their first cell, so they go there side by side, as they are,
+//! and only those that go on are closed up into waves.
+
+use super::climb::{self, approach, rises_far};
+use super::coarser::Coarser;
+use super::field::Field;
+use super::roofs::FINEST;
+use super::walk::{Passage, fetch, go_on, hits_here, meet, place};
+use super::wave::{CHUNK, Ray, Waves, group, group_mut};
+use crate::lanes::{LANES, Lanes};
+
+/// Rays that set out, a number a lane.
+#[repr(align(64))]
+pub(super) struct Departure {
+    inverse: [f32; CHUNK],
+    leave: [f32; CHUNK],
+    t: [f32; CHUNK],
+    major: [i32; CHUNK],
+    minor: [i32; CHUNK],
+    /// For each group, the number of the resolution that its rays are in; which of them set out
+    /// here; and which of those are led to the roofs of their blocks first.
+    levels: [u16; CHUNK / LANES],
+    masks: [u16; CHUNK / LANES],
+    high: [u16; CHUNK / LANES],
+}
+
+impl Default for Departure {
+    fn default() -> Self {
+        Self {
+            inverse: [0.0; CHUNK],
+            leave: [0.0; CHUNK],
+            t: [0.0; CHUNK],
+            major: [0; CHUNK],
+            minor: [0; CHUNK],
+            levels: [0; CHUNK / LANES],
+            masks: [0; CHUNK / LANES],
+            high: [0; CHUNK / LANES],
+        }
+    }
+}
+
+/// Rays of a group that may set out together.
+pub(super) struct Departing<L: Lanes> {
+    /// The number of the resolution that they are in.
+    pub(super) level: usize,
+    pub(super) mask: L::M,
+    /// Those of them that are led to the roofs of their blocks first.
+    pub(super) high: L::M,
+    /// Where they are, and their mirrored cells there.
+    pub(super) t: L::F,
+    pub(super) cell: [L::I; 2],
+}
+
+fn lanes<T>(numbers: &[T], at: usize) -> &[T; LANES] {
+    numbers[at..].first_chunk().expect("room was made")
+}
+
+fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
+    numbers[at..].first_chunk_mut().expect("room was made")
+}
+
+impl Departure {
+    /// Forgets the rays of the group that begins at lane `at`.
+    #[inline(always)]
+    pub(super) fn clear(&mut self, at: usize) {
+        self.masks[at / LANES] = 0;
+        self.high[at / LANES] = 0;
+    }
+
+    /// Which rays of the group that begins at lane `at` set out here.
+    #[inline(always)]
+    pub(super) fn mask(&self, at: usize) -> u16 {
+        self.masks[at / LANES]
+    }
+
+    /// Takes `rays` as the group that begins at lane `at`.
+    #[inline(always)]
+    pub(super) fn put<L: Lanes>(&mut self, l: L, at: usize, ray: &Ray<L>, rays: &Departing<L>) {
+        self.levels[at / LANES] = rays.level as u16;
+        self.masks[at / LANES] = l.bits(rays.mask);
+        self.high[at / LANES] = l.bits(rays.high);
+        l.store(ray.inverse, lanes_mut(&mut self.inverse, at));
+        l.store(ray.leave, lanes_mut(&mut self.leave, at));
+        l.store(rays.t, lanes_mut(&mut self.t, at));
+        self.put_cell(l, at, rays.cell);
+    }
+
+    #[inline(always)]
+    fn put_cell<L: Lanes>(&mut self, l: L, at: usize, [major, minor]: [L::I; 2]) {
+        l.store_i(major, lanes_mut(&mut self.major, at));
+        l.store_i(minor, lanes_mut(&mut self.minor, at));
+    }
+
+    #[inline(always)]
+    fn cell<L: Lanes>(&self, l: L, at: usize) -> [L::I; 2] {
+        [
+            l.load_i(lanes(&self.major, at)),
+            l.load_i(lanes(&self.minor, at)),
+        ]
+    }
+}
+
+/// The lanes of a step that set out together, among all numbers that are kept of it.
+pub(super) struct Step<'a> {
+    /// The number of the first lane, and how many lanes there are.
+    pub(super) first: usize,
+    pub(super) count: usize,
+    pub(super) advance: &'a [f32],
+    pub(super) slope: &'a [f32],
+}
+
+impl Step<'_> {
+    /// The rays of a group, over the ground as `field` has it.
+    #[inline(always)]
+    fn ray<L: Lanes>(&self, l: L, field: &Field<'_>, departure: &Departure, at: usize) -> Ray<L> {
+        let id = self.first + at;
+        let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
+        Ray {
+            advance: l.load(lanes(self.advance, id)),
+            inverse: l.load(lanes(&departure.inverse, at)),
+            slope: l.mul(l.load(lanes(self.slope, id)), l.splat(field.scale)),
+            leave: l.load(lanes(&departure.leave, at)),
+            id: l.add_i(numbers, l.splat_i(id as i32)),
+        }
+    }
+}
+
+/// Leads the rays of a step that set out to the roofs of their blocks and through their first
+/// cells, as [`climb`](super::climb::climb) and [`walk`](super::walk::walk) do: over `fields`, the
+/// ground at all of its resolutions. Those that go on join `waves`.
+#[inline(always)]
+pub(super) fn depart<L: Lanes>(
+    l: L,
+    fields: &[Field<'_>],
+    departure: &mut Departure,
+    step: &Step<'_>,
+    waves: &mut [Waves],
+    passage: &mut Passage,
+    reached: &mut [f32],
+) {
+    let groups = || (0..step.count).step_by(LANES);
+    if groups().any(|at| departure.high[at / LANES] != 0) {
+        l.vectorize(
+            #[inline(always)]
+            || lead_to_roofs(l, fields, departure, step, waves, passage),
+        );
+    }
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in groups() {
+                let mask = departure.masks[at / LANES];
+                if mask != 0 {
+                    let field = &fields[departure.levels[at / LANES] as usize];
+                    let cell = departure.cell(l, at);
+                    place(l, field, l.mask(mask), cell, passage, at);
+                }
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in groups() {
+                if departure.masks[at / LANES] != 0 {
+                    let field = &fields[departure.levels[at / LANES] as usize];
+                    fetch(l, field, passage, at);
+                }
+            }
+        },
+    );
+    l.vectorize(
+        #[inline(always)]
+        || lead_through_cells(l, fields, departure, step, waves, passage, reached),
+    );
+}
+
+/// Leads rays to the roofs of their blocks; those that pass over them join waves.
+#[inline(always)]
+fn lead_to_roofs<L: Lanes>(
+    l: L,
+    fields: &[Field<'_>],
+    departure: &mut Departure,
+    step: &Step<'_>,
+    waves: &mut [Waves],
+    passage: &mut Passage,
+) {
+    let finest = l.splat_i(FINEST as i32);
+    let groups = || (0..step.count).step_by(LANES);
+    for at in groups() {
+        let high = departure.high[at / LANES];
+        if high != 0 {
+            let field = &fields[departure.levels[at / LANES] as usize];
+            let place = climb::place(l, field, l.mask(high), departure.cell(l, at), finest);
+            l.store_i(place, group_mut(&mut passage.place, at));
+        }
+    }
+    for at in groups() {
+        let high = departure.high[at / LANES];
+        if high == 0 {
+            continue;
+        }
+        let level = departure.levels[at / LANES] as usize;
+        let field = &fields[level];
+        let ray = step.ray(l, field, departure, at);
+        let (t, cell) = (l.load(lanes(&departure.t, at)), departure.cell(l, at));
+        let place = l.load_i(group(&passage.place, at));
+        let to = approach(l, field, &ray, t, cell, finest, place);
+        let mask = l.mask(high);
+        let t = l.select(mask, to.t, t);
+        let cell = [0, 1].map(
+            #[inline(always)]
+            |axis| l.select_i(mask, to.cell[axis], cell[axis]),
+        );
+        l.store(t, lanes_mut(&mut departure.t, at));
+        departure.put_cell(l, at, cell);
+        let left = l.and_not(mask, l.lt(t, ray.leave));
+        let past = l.and_not(l.and(mask, to.clear), left);
+        departure.masks[at / LANES] &= !l.bits(l.or(past, left));
+        let (waves, behind) = waves[level..].split_at_mut(1);
+        if l.bits(left) != 0
+            && let Some(mut coarser) = Coarser::behind(fields, level, behind)
+        {
+            let leave = field.leave(l, ray.inverse, ray.slope);
+            let passes = l.and(left, l.lt(t, leave));
+            coarser.take(l, passes, &ray, t, leave, Some(finest));
+        }
+        if l.bits(past) != 0 {
+            let far = rises_far(l, field, &ray, &to, finest);
+            let level = l.add_i_where(far, finest, l.splat_i(1));
+            waves[0].high.push_at_level(l, past, &ray, t, cell, level);
+        }
+    }
+}
+
+/// Leads rays through their cells; those that go on join waves.
+#[inline(always)]
+fn lead_through_cells<L: Lanes>(
+    l: L,
+    fields: &[Field<'_>],
+    departure: &Departure,
+    step: &Step<'_>,
+    waves: &mut [Waves],
+    passage: &Passage,
+    reached: &mut [f32],
+) {
+    for at in (0..step.count).step_by(LANES) {
+        let mask = departure.masks[at / LANES];
+        if mask == 0 {
+            continue;
+        }
+        let level = departure.levels[at / LANES] as usize;
+        let field = &fields[level];
+        let (waves, behind) = waves[level..].split_at_mut(1);
+        let Waves { low, high } = &mut waves[0];
+        let mut coarser = Coarser::behind(fields, level, behind);
+        let ray = step.ray(l, field, departure, at);
+        let t = l.load(lanes(&departure.t, at));
+        let cell = departure.cell(l, at);
+        let met = meet(l, field, &ray, t, cell, passage, at);
+        let mask = l.mask(mask);
+        let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
+        let reached = lanes_mut(reached, step.first + at);
+        let hit_t = l.mul(met.hit_t, l.splat(field.scale));
+        l.store(l.select(hit, hit_t, l.load(reached)), reached);
+        let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
+        if l.bits(going) == 0 {
+            continue;
+        }
+        let ends = [low.len(), high.len()];
+        let [kept, risen] = go_on(l, field, low, high, ends, going, &ray, &met, cell);
+        low.truncate(kept);
+        high.truncate(risen);
+    }
+}
