@@ -263,6 +263,9 @@ pub(super) struct Shader<'a> {
 /// How many cells ahead of a hit memory is asked for.
 const AHEAD: f32 = 10.0;
 
+/// Rows of posts from a step to the next from which on too many would be asked for in vain.
+const MOST_ROWS: f64 = 4.0;
+
 impl<'a> Shader<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, sector: &'a Sector, field: &'a Field<'a>) -> Self {
         let [x, y] = field.x_y().map(|axis| axis.sign);
@@ -311,7 +314,11 @@ impl<'a> Shader<'a> {
         let from = chunk.directions.at(chunk.step, chunk.first + at as i32);
         let to = from + chunk.directions.step;
         let rise = (to.z / to.x - from.z / from.x) / (from.z / from.x).abs();
-        let rows = (f64::from(chunk.reached[at].abs()) * rise).clamp(1.0, 6.0) as u32;
+        let rows = f64::from(chunk.reached[at].abs()) * rise;
+        if rows > MOST_ROWS {
+            return;
+        }
+        let rows = rows.max(1.0) as u32;
         let none = l.splat(0.0);
         for row in 0..rows {
             let t = l.add(reached, l.splat(AHEAD + row as f32));
