@@ -4,6 +4,8 @@
 //! cargo run --release -p sandtable-cast --example planes_pictures -- docs/planes
 //! ```
 
+mod drawing;
+mod roofs;
 mod side_view;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -84,6 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         panels(&surveys, colour).write_with_encoder(encoder)?;
     }
     std::fs::write(folder.join("coherence.svg"), side_view::drawing())?;
+    std::fs::write(folder.join("roofs.svg"), roofs::drawing())?;
     for (name, survey) in VIEWS.iter().zip(&surveys) {
         print_shares(name, survey);
     }

@@ -1,6 +1,6 @@
 //! The argument of coherence as a drawing.
 
-use std::fmt::Write;
+use crate::drawing::{EARTH, THIN, document, dot, filled, label, stroke};
 
 /// Width and height of the drawing, and where its right part begins.
 const SIZE: [f64; 2] = [900.0, 330.0];
@@ -20,52 +20,14 @@ fn ground(x: f64) -> f64 {
 
 /// The drawing, as SVG: on the left two rays from the side, on the right both at one t from behind.
 pub(crate) fn drawing() -> String {
-    let mut svg = String::new();
-    let [width, height] = SIZE;
-    let mut line = |text: &str| {
-        svg.push_str(text);
-        svg.push('\n');
-    };
-    line(&format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" font-family="sans-serif" font-size="14">"#
-    ));
-    line(&format!(
-        r#"<rect width="{width}" height="{height}" fill="white"/>"#
-    ));
-    line(&from_the_side());
-    line(&from_behind());
-    line("</svg>");
-    svg
-}
-
-/// An element from one place to another.
-fn stroke([x1, y1]: [f64; 2], [x2, y2]: [f64; 2], style: &str) -> String {
-    format!("<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" {style}/>\n")
-}
-
-fn label([x, y]: [f64; 2], text: &str, style: &str) -> String {
-    format!("<text x=\"{x:.1}\" y=\"{y:.1}\" {style}>{text}</text>\n")
-}
-
-fn dot([x, y]: [f64; 2], fill: &str) -> String {
-    format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\"/>\n")
-}
-
-/// A filled outline from a line's places down to the drawing's foot.
-fn filled(places: impl Iterator<Item = [f64; 2]>, [from, to]: [f64; 2], style: &str) -> String {
-    let foot = SIZE[1] - 30.0;
-    let mut path = format!("<path d=\"M{from:.1} {foot:.1}");
-    for [x, y] in places {
-        // Writing to a string cannot fail.
-        let _ = write!(path, " L{x:.1} {y:.1}");
-    }
-    path + &format!(" L{to:.1} {foot:.1} Z\" {style}/>\n")
+    document(SIZE, &(from_the_side() + "\n" + &from_behind() + "\n"))
 }
 
 const A: &str = "stroke=\"#b03020\" stroke-width=\"2\"";
 const P: &str = "stroke=\"#2050a0\" stroke-width=\"2\"";
-const THIN: &str = "stroke=\"#555\" stroke-dasharray=\"4 3\"";
-const EARTH: &str = "fill=\"#d8c8a8\" stroke=\"#806840\"";
+
+/// Where the ground's fill ends.
+const FOOT: f64 = SIZE[1] - 30.0;
 
 fn from_the_side() -> String {
     let hit = [HIT, ground(HIT)];
@@ -78,7 +40,7 @@ fn from_the_side() -> String {
     let places = steps.map(|x| [x, ground(x)]);
     let start = [HIT, p_at(HIT)];
     [
-        filled(places, [EYE[0], END], EARTH),
+        filled(FOOT, places, [EYE[0], END], EARTH),
         stroke(EYE, [HIT, a_at(HIT)], A),
         stroke(EYE, start, &format!("{P} stroke-dasharray=\"3 4\"")),
         stroke(start, [meets, p_at(meets)], P),
@@ -122,7 +84,7 @@ fn from_behind() -> String {
     let p = [right, bound(right) - above - 26.0];
     let limit = [right, a[1] - rise];
     [
-        filled(places, foot, EARTH),
+        filled(FOOT, places, foot, EARTH),
         stroke([left, ground_a], [right, bound(right)], THIN),
         stroke(a, limit, &format!("{A} stroke-dasharray=\"3 4\"")),
         stroke(a, [left, ground_a], "stroke=\"#b03020\""),

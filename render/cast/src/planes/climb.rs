@@ -66,8 +66,8 @@ pub(super) fn approach<L: Lanes>(
     };
     let major_rise = l.mul(major_rise, l.splat(field.major.sign as f32));
     let minor_rise = l.mul(minor_rise, l.splat(field.minor.sign as f32));
-    let (major_first, major_last) = block(l, &field.major, major, major_cell, level);
-    let (minor_first, minor_last) = block(l, &field.minor, minor, minor_cell, level);
+    let major_last = last_of_block(l, &field.major, major, major_cell, level);
+    let minor_last = last_of_block(l, &field.minor, minor, minor_cell, level);
     let major_end = line(l, &field.major, major_last);
     let minor_end = line(l, &field.minor, minor_last);
     let minor_t = l.mul(minor_end, ray.inverse);
@@ -91,18 +91,12 @@ pub(super) fn approach<L: Lanes>(
     let next_major = l.select_i(
         l.and(clear, by_major),
         l.add_i(major_last, one),
-        beside(l, t, &field.major, major_first, major_last),
+        beside(l, t, &field.major, major, major_last),
     );
     let next_minor = l.select_i(
         l.and_not(clear, by_major),
         l.add_i(minor_last, one),
-        beside(
-            l,
-            l.mul(t, ray.advance),
-            &field.minor,
-            minor_first,
-            minor_last,
-        ),
+        beside(l, l.mul(t, ray.advance), &field.minor, minor, minor_last),
     );
     Approach {
         begins,
@@ -221,26 +215,26 @@ fn line<L: Lanes>(l: L, axis: &Axis, last: L::I) -> L::F {
     l.add(l.to_float(last), l.splat(1.0 - axis.fraction))
 }
 
-/// The mirrored cell at `along`, moved into `first` to `last` where rounding has put it aside.
+/// The mirrored cell at `along`, moved into `first` to `last` where rounding has put it aside. A ray
+/// must not go back to a cell that it has left: it might do so again and again.
 #[inline(always)]
 fn beside<L: Lanes>(l: L, along: L::F, axis: &Axis, first: L::I, last: L::I) -> L::I {
     let cell = l.to_int(l.add(along, l.splat(axis.fraction)));
     l.max_i(l.min_i(cell, last), first)
 }
 
-/// The first and the last mirrored cell of the block in which mirrored cell `cell` lies, which is
-/// the ground's `ground`.
+/// The last mirrored cell of the block in which mirrored cell `cell` lies, which is the ground's
+/// `ground`.
 #[inline(always)]
-fn block<L: Lanes>(l: L, axis: &Axis, cell: L::I, ground: L::I, level: L::I) -> (L::I, L::I) {
-    let one = l.splat_i(1);
-    let last = l.sub_i(l.shl_i(one, level), one);
+fn last_of_block<L: Lanes>(l: L, axis: &Axis, cell: L::I, ground: L::I, level: L::I) -> L::I {
+    let last = l.sub_i(l.shl_i(l.splat_i(1), level), l.splat_i(1));
     let inside = l.and_i(ground, last);
-    let (before, behind) = if axis.sign > 0 {
-        (inside, l.sub_i(last, inside))
+    let behind = if axis.sign > 0 {
+        l.sub_i(last, inside)
     } else {
-        (l.sub_i(last, inside), inside)
+        inside
     };
-    (l.sub_i(cell, before), l.add_i(cell, behind))
+    l.add_i(cell, behind)
 }
 
 /// Where the blocks of each lane's level begin.
@@ -253,4 +247,90 @@ fn level_begin<L: Lanes>(l: L, level: L::I) -> L::I {
     let thrice = l.sub_i(l.splat_i(ALL), four);
     // The inverse of 3 modulo 2³²: of multiples of 3 it makes a third, exactly.
     l.mul_i(thrice, l.splat_i(-1_431_655_765))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Portable;
+    use crate::planes::frame::Level;
+    use crate::planes::roofs::Roofs;
+    use crate::planes::steepness::Steepness;
+    use glam::DVec2;
+    use sandtable_terrain::Ground;
+
+    /// A ray that goes back to a cell may do so for ever: over ground with high roofs it comes near
+    /// to one, is led to it by less than the last digit of t, walks on by a cell, and so on.
+    #[test]
+    fn rays_never_go_back() {
+        let l = Portable;
+        let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32;
+        let ground = Ground::from_fn(200, 200, DVec2::ONE, rough).expect("a sound grid");
+        let roofs = Roofs::new(ground.heights());
+        let level = Level::new(ground.heights(), &roofs, &Steepness::new(ground.heights()));
+        let mut led = 0;
+        for k in 0..4000_u32 {
+            let share = |by: f64| (f64::from(k) * by).fract();
+            let axes = [share(0.618_034), share(0.414_213_6)]
+                .map(|share| Axis::new(-30.0 - 100.0 * share, 199, 1));
+            let mut field = Field {
+                heights: &level.heights,
+                roofs: &level.roofs,
+                major: axes[0],
+                minor: axes[1],
+                major_axis: 0,
+                eye_height: 0.0,
+                eye_rest: 0.0,
+                highest: 1e4,
+                rounding: 0.0,
+                scale: 1.0,
+                ease: 0.5,
+                ends: [1e4; 2],
+                ahead: None,
+            };
+            // On the line before a cell, along the minor axis.
+            let row = axes[1].cells[0] + 1 + (k * 11 % 190) as i32;
+            let advance = 0.5 + 0.5 * share(0.271) as f32;
+            let inverse = 1.0 / advance;
+            let t = axes[1].line(row) * inverse;
+            let column = (t + axes[0].fraction) as i32;
+            if column < axes[0].cells[0] || column >= axes[0].cells[1] {
+                continue;
+            }
+            let cell = [column, row];
+            let rays = |slope: f32| Ray {
+                advance: [advance; LANES],
+                inverse: [inverse; LANES],
+                slope: [slope; LANES],
+                leave: [1e4; LANES],
+                id: [0; LANES],
+            };
+            let finest = l.splat_i(FINEST as i32);
+            let cell = cell.map(|cell| l.splat_i(cell));
+            let all = l.mask(u16::MAX);
+            let place = place(l, &field, all, cell, finest);
+            // The roof's height there.
+            let bits = l.pairs(&field.roofs.items, place);
+            let number = |bits: u32| f64::from(f32::from_bits(bits));
+            let [height, rises] = bits.map(|bits| bits[0] as u32);
+            let aside = |axis: &Axis, cell: i32, at: f32| {
+                let first = cell - (axis.base + cell) % 4;
+                f64::from(at) - f64::from(axis.line(first)) - 2.0
+            };
+            let roof = number(height)
+                + number(rises << 16) * aside(&axes[0], column, t)
+                + number(rises & 0xffff_0000) * aside(&axes[1], row, t * advance);
+            let slope = -1.0 - share(0.31) as f32 * 4.0;
+            for above in [1e-5, 1e-4, 1e-3, 1e-2, 1.0] {
+                field.eye_height = (roof - f64::from(slope) * f64::from(t) + above) as f32;
+                let to = approach(l, &field, &rays(slope), l.splat(t), cell, finest, place);
+                led += u32::from(l.bits(to.begins) & !l.bits(to.clear) & 1);
+                assert!(to.t[0] >= t);
+                for (to, from) in to.cell.iter().zip(cell) {
+                    assert!(to[0] >= from[0], "from cell {} to {}", from[0], to[0]);
+                }
+            }
+        }
+        assert!(led > 4000, "{led} were led to a roof");
+    }
 }

@@ -67,10 +67,20 @@ impl Departure {
         self.high[at / LANES] = 0;
     }
 
-    /// Which rays of the group that begins at lane `at` set out here.
+    /// Whether the group that begins at lane `at` has no rays yet.
     #[inline(always)]
-    pub(super) fn mask(&self, at: usize) -> u16 {
-        self.masks[at / LANES]
+    pub(super) fn is_free(&self, at: usize) -> bool {
+        self.masks[at / LANES] == 0
+    }
+
+    /// For each group of the first `count` lanes, those led to roofs and those led through cells,
+    /// once all have set out.
+    #[inline(always)]
+    pub(super) fn led(&self, count: usize) -> impl Iterator<Item = [u16; 2]> {
+        let groups = self.high.iter().zip(&self.masks);
+        groups
+            .take(count.div_ceil(LANES))
+            .map(|(&high, &low)| [high, low])
     }
 
     /// Takes `rays` as the group that begins at lane `at`.

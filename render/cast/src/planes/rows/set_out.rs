@@ -151,7 +151,6 @@ impl<L: Lanes> March<'_, L> {
             for _ in 0..count {
                 tally.ray();
             }
-            tally.cells_of(at as i32, scratch.departure.mask(in_chunk));
         }
     }
 
@@ -225,7 +224,7 @@ impl<L: Lanes> March<'_, L> {
         let steep = field.steep(l, ray.slope);
         let far = l.and(mask, l.lt(l.mul(steep, l.splat(FAR)), over));
         let mask = l.and_not(mask, far);
-        if l.bits(mask).count_ones() >= MANY && departure.mask(at) == 0 {
+        if l.bits(mask).count_ones() >= MANY && departure.is_free(at) {
             let high = l.and(mask, l.lt(l.mul(steep, l.splat(NEAR)), over));
             let rays = Departing {
                 level,
