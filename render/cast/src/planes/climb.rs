@@ -7,15 +7,14 @@ use super::walk::Passage;
 use super::wave::{Ray, Wave, group, group_mut};
 use crate::lanes::{LANES, Lanes};
 
-/// Cells that rays have to go, about, before they meet the ground: from which on they are led to
-/// the roofs of their blocks, and not right through their cells.
+/// Cells that rays have to go at least, about, to be led to the roofs of their blocks and not right
+/// through their cells.
 pub(super) const NEAR: f32 = 1.0;
 
-/// And from which on the finest blocks are too small for them.
+/// Cells to go from which on the finest blocks are too small.
 pub(super) const FAR: f32 = 12.0;
 
-/// How many levels rays go down under a roof: half as wide blocks are as likely to be passed over
-/// as the one that was not.
+/// How many levels rays go down under a roof: the next finer one is seldom much lower.
 const DOWN: i32 = 2;
 
 /// The level of blocks for rays with so many cells to go.
@@ -40,8 +39,7 @@ pub(super) struct Approach<L: Lanes> {
     pub(super) over: L::F,
 }
 
-/// Leads rays that are at t in a mirrored cell to the roof of their block, of which the roof lies at
-/// `place`.
+/// Leads rays that are at t in a mirrored cell to the roof of their block, which lies at `place`.
 #[inline(always)]
 pub(super) fn approach<L: Lanes>(
     l: L,

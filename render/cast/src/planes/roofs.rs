@@ -89,17 +89,23 @@ const UPPER: u32 = 0xffff_0000;
 /// No roof: where there is no ground.
 const NONE: Roof = [f32::MIN.to_bits(), 0];
 
-/// The lowest roof that rises so, eastwards and northwards; `highest` gives how high at least a
-/// plane through the block's middle that rises as it is told must be.
-fn lowest_roof(rises: [f32; 2], highest: impl FnOnce([f32; 2]) -> f32) -> Roof {
+/// The lowest roof of a block with `size` cells along a side that rises so, eastwards and
+/// northwards; `highest` gives how high a plane must be over the block's middle that rises as it is
+/// told, but for rounding.
+fn lowest_roof(size: f32, rises: [f32; 2], highest: impl FnOnce([f32; 2]) -> f32) -> Roof {
     let [east, north] = rises.map(|rise| {
-        if rise.is_finite() {
-            rise.to_bits() & UPPER
+        let nearest = rise.to_bits().wrapping_add(0x8000) & UPPER;
+        if f32::from_bits(nearest).is_finite() {
+            nearest
         } else {
             0
         }
     });
-    let height = highest([east, north].map(f32::from_bits));
+    let rises = [east, north].map(f32::from_bits);
+    let height = highest(rises);
+    // Four roundings or less of numbers that are no larger.
+    let largest = height.abs() + (rises[0].abs() + rises[1].abs()) * size;
+    let height = height + 2.0 * f32::EPSILON * largest;
     [height.to_bits(), east >> 16 | north]
 }
 
@@ -138,7 +144,8 @@ fn fill(heights: &TiledRaster<f32>, index: TileIndex, roofs: &mut [Roof]) {
     }
 }
 
-/// Posts along a side of a finest block.
+/// Cells and posts along a side of a finest block.
+const SIZE: f32 = (1 << FINEST) as f32;
 const POSTS: usize = (1 << FINEST) + 1;
 
 /// The roof of a finest block of which the posts begin with the first of `posts`: it rises as the
@@ -157,7 +164,7 @@ fn whole_block(posts: &[f32], stride: usize) -> Roof {
         }
         north += y * sum;
     }
-    lowest_roof([east / squares, north / squares], |[east, north]| {
+    lowest_roof(SIZE, [east / squares, north / squares], |[east, north]| {
         let mut highest = [f32::MIN; POSTS];
         for (row, y) in rows.iter().zip(from_middle) {
             for k in 0..POSTS {
@@ -175,8 +182,8 @@ fn part_of_block(posts: &[f32], stride: usize, [cols, rows]: [usize; 2]) -> Roof
     let along = |from: f32, to: f32, cells: usize| (to - from) / cells as f32;
     let east = along(at(0, 0), at(cols, 0), cols) + along(at(0, rows), at(cols, rows), cols);
     let north = along(at(0, 0), at(0, rows), rows) + along(at(cols, 0), at(cols, rows), rows);
-    let middle = (1 << FINEST) as f32 * 0.5;
-    lowest_roof([0.5 * east, 0.5 * north], |[east, north]| {
+    let middle = SIZE * 0.5;
+    lowest_roof(SIZE, [0.5 * east, 0.5 * north], |[east, north]| {
         (0..=rows)
             .flat_map(|y| (0..=cols).map(move |x| (x, y)))
             .map(|(x, y)| at(x, y) - (east * (x as f32 - middle) + north * (y as f32 - middle)))
@@ -190,14 +197,18 @@ fn over_quarters(quarters: [[Roof; 2]; 2], size: f32) -> Roof {
     let there = |roof: Roof| roof != NONE;
     let quarter = 0.25 * size;
     let [[sw, se], [nw, ne]] = quarters.map(|row| row.map(|roof| numbers(roof)[0]));
-    let whole = quarters.as_flattened().iter().all(|&roof| there(roof));
+    let mut all = quarters.into_iter().flatten();
+    if !all.clone().any(there) {
+        return NONE;
+    }
+    let whole = all.all(there);
     let rises = if whole {
         [se - sw + ne - nw, nw - sw + ne - se].map(|rise| rise / size)
     } else {
         let [_, east, north] = numbers(quarters[0][0]);
         [east, north]
     };
-    lowest_roof(rises, |[east, north]| {
+    lowest_roof(size, rises, |[east, north]| {
         let mut highest = f32::MIN;
         for (row, y) in quarters.iter().zip([-quarter, quarter]) {
             for (&roof, x) in row.iter().zip([-quarter, quarter]) {
