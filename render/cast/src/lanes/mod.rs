@@ -30,6 +30,18 @@ use sandtable_terrain::SlabView;
 /// Lanes in a group.
 pub(crate) const LANES: usize = 16;
 
+/// The numbers of the group that begins at number `at`. There must be room for a whole one.
+#[inline(always)]
+pub(crate) fn group<T>(numbers: &[T], at: usize) -> &[T; LANES] {
+    numbers[at..].first_chunk().expect("room for a group")
+}
+
+/// As [`group`], to be written.
+#[inline(always)]
+pub(crate) fn group_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
+    numbers[at..].first_chunk_mut().expect("room for a group")
+}
+
 /// Sixteen lanes of one instruction set. `F` holds 32-bit floats, `I` 32-bit integers, `M` one
 /// truth value a lane.
 pub(crate) trait Lanes: Copy {

@@ -4,8 +4,8 @@ use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::roofs::{FINEST, LEVEL_BEGIN, TOP};
 use super::walk::Passage;
-use super::wave::{Ray, Wave, group, group_mut};
-use crate::lanes::{LANES, Lanes};
+use super::wave::{Ray, Wave};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// Cells that rays have to go at least, about, to be led to the roofs of their blocks and not right
 /// through their cells.
@@ -118,7 +118,7 @@ pub(super) fn rises_far<L: Lanes>(
     level: L::I,
 ) -> L::M {
     let size = l.to_float(l.shl_i(l.splat_i(1), level));
-    let far = l.mul(l.mul(size, l.splat(0.7)), field.steep(l, ray.slope));
+    let far = l.mul(l.mul(size, l.splat(0.7)), field.closing_rate(l, ray.slope));
     l.and(to.clear, l.lt(far, to.over))
 }
 
@@ -282,7 +282,7 @@ mod tests {
                 highest: 1e4,
                 rounding: 0.0,
                 scale: 1.0,
-                ease: 0.5,
+                ground_rise: 0.5,
                 ends: [1e4; 2],
                 ahead: None,
             };

@@ -6,8 +6,8 @@ use super::coarser::Coarser;
 use super::field::Field;
 use super::roofs::FINEST;
 use super::walk::{Passage, fetch, go_on, hits_here, meet, place};
-use super::wave::{CHUNK, Ray, Waves, group, group_mut};
-use crate::lanes::{LANES, Lanes};
+use super::wave::{CHUNK, Ray, Waves};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// Rays that set out, a number a lane.
 #[repr(align(64))]
@@ -51,14 +51,6 @@ pub(super) struct Departing<L: Lanes> {
     pub(super) cell: [L::I; 2],
 }
 
-fn lanes<T>(numbers: &[T], at: usize) -> &[T; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
-}
-
-fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
-    numbers[at..].first_chunk_mut().expect("room was made")
-}
-
 impl Departure {
     /// Forgets the rays of the group that begins at lane `at`.
     #[inline(always)]
@@ -89,23 +81,23 @@ impl Departure {
         self.levels[at / LANES] = rays.level as u16;
         self.masks[at / LANES] = l.bits(rays.mask);
         self.high[at / LANES] = l.bits(rays.high);
-        l.store(ray.inverse, lanes_mut(&mut self.inverse, at));
-        l.store(ray.leave, lanes_mut(&mut self.leave, at));
-        l.store(rays.t, lanes_mut(&mut self.t, at));
+        l.store(ray.inverse, group_mut(&mut self.inverse, at));
+        l.store(ray.leave, group_mut(&mut self.leave, at));
+        l.store(rays.t, group_mut(&mut self.t, at));
         self.put_cell(l, at, rays.cell);
     }
 
     #[inline(always)]
     fn put_cell<L: Lanes>(&mut self, l: L, at: usize, [major, minor]: [L::I; 2]) {
-        l.store_i(major, lanes_mut(&mut self.major, at));
-        l.store_i(minor, lanes_mut(&mut self.minor, at));
+        l.store_i(major, group_mut(&mut self.major, at));
+        l.store_i(minor, group_mut(&mut self.minor, at));
     }
 
     #[inline(always)]
     fn cell<L: Lanes>(&self, l: L, at: usize) -> [L::I; 2] {
         [
-            l.load_i(lanes(&self.major, at)),
-            l.load_i(lanes(&self.minor, at)),
+            l.load_i(group(&self.major, at)),
+            l.load_i(group(&self.minor, at)),
         ]
     }
 }
@@ -126,10 +118,10 @@ impl Step<'_> {
         let id = self.first + at;
         let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
         Ray {
-            advance: l.load(lanes(self.advance, id)),
-            inverse: l.load(lanes(&departure.inverse, at)),
-            slope: l.mul(l.load(lanes(self.slope, id)), l.splat(field.scale)),
-            leave: l.load(lanes(&departure.leave, at)),
+            advance: l.load(group(self.advance, id)),
+            inverse: l.load(group(&departure.inverse, at)),
+            slope: l.mul(l.load(group(self.slope, id)), l.splat(field.scale)),
+            leave: l.load(group(&departure.leave, at)),
             id: l.add_i(numbers, l.splat_i(id as i32)),
         }
     }
@@ -213,7 +205,7 @@ fn lead_to_roofs<L: Lanes>(
         let level = departure.levels[at / LANES] as usize;
         let field = &fields[level];
         let ray = step.ray(l, field, departure, at);
-        let (t, cell) = (l.load(lanes(&departure.t, at)), departure.cell(l, at));
+        let (t, cell) = (l.load(group(&departure.t, at)), departure.cell(l, at));
         let place = l.load_i(group(&passage.place, at));
         let to = approach(l, field, &ray, t, cell, finest, place);
         let mask = l.mask(high);
@@ -222,7 +214,7 @@ fn lead_to_roofs<L: Lanes>(
             #[inline(always)]
             |axis| l.select_i(mask, to.cell[axis], cell[axis]),
         );
-        l.store(t, lanes_mut(&mut departure.t, at));
+        l.store(t, group_mut(&mut departure.t, at));
         departure.put_cell(l, at, cell);
         let left = l.and_not(mask, l.lt(t, ray.leave));
         let past = l.and_not(l.and(mask, to.clear), left);
@@ -265,12 +257,12 @@ fn lead_through_cells<L: Lanes>(
         let Waves { low, high } = &mut waves[0];
         let mut coarser = Coarser::behind(fields, level, behind);
         let ray = step.ray(l, field, departure, at);
-        let t = l.load(lanes(&departure.t, at));
+        let t = l.load(group(&departure.t, at));
         let cell = departure.cell(l, at);
         let met = meet(l, field, &ray, t, cell, passage, at);
         let mask = l.mask(mask);
         let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
-        let reached = lanes_mut(reached, step.first + at);
+        let reached = group_mut(reached, step.first + at);
         let hit_t = l.mul(met.hit_t, l.splat(field.scale));
         l.store(l.select(hit, hit_t, l.load(reached)), reached);
         let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);

@@ -189,8 +189,8 @@ pub(super) struct Field<'a> {
     pub(super) rounding: f32,
     /// Cells of the ground along a side of a cell.
     pub(super) scale: f32,
-    /// How fast rays are taken to come nearer to the ground that do not fall: metres for each 1 of t.
-    pub(super) ease: f32,
+    /// How fast the ground is taken to rise towards rays: metres for each 1 of t.
+    pub(super) ground_rise: f32,
     /// Where the ground ends, in cells from the eye along major and minor axis.
     pub(super) ends: [f32; 2],
     /// Where the ground is too large for a core's own caches: how far behind a cell's place its
@@ -199,12 +199,12 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// How fast rays come nearer to the ground, about: metres for each 1 of t.
+    /// How fast rays and ground come together, about: metres for each 1 of t.
     #[inline(always)]
-    pub(super) fn steep<L: Lanes>(&self, l: L, slope: L::F) -> L::F {
+    pub(super) fn closing_rate<L: Lanes>(&self, l: L, slope: L::F) -> L::F {
         l.add(
             l.max(l.sub(l.splat(0.0), slope), l.splat(0.0)),
-            l.splat(self.ease),
+            l.splat(self.ground_rise),
         )
     }
 

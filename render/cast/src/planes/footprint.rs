@@ -1,8 +1,8 @@
 //! What part of the ground a pixel covers, and the filter that suits it.
 
 use super::detail::TextureFrame;
-use super::wave::{self, CAPACITY, Column};
-use crate::lanes::{LANES, Lanes};
+use super::wave::{CAPACITY, Column};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// The rays of one step around a chunk, from the lane before the chunk's first on.
 pub(super) struct Around<'a> {
@@ -31,18 +31,14 @@ impl Around<'_> {
         let begin = (self.lanes[0] - first).clamp(0, LANES as i32);
         let end = (self.lanes[1] - first).clamp(begin, LANES as i32);
         let there = ((1_u32 << end) - (1_u32 << begin)) as u16;
-        let t = l.load(numbers(self.reached, from));
-        let advance = l.load(numbers(self.advance, from));
+        let t = l.load(group(self.reached, from));
+        let advance = l.load(group(self.advance, from));
         Places {
             major: l.mul(t, l.splat(scale[0])),
             minor: l.mul(l.mul(t, advance), l.splat(scale[1])),
             are: l.and(l.mask(there), l.le(l.splat(0.0), t)),
         }
     }
-}
-
-fn numbers(numbers: &[f32], at: usize) -> &[f32; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
 }
 
 /// The filters of a chunk's pixels.
@@ -157,9 +153,9 @@ pub(super) fn filters<L: Lanes>(
         // No further than the footprint is wide: beyond a ridge there are other colours.
         let most = l.div(l.max(width, one), length);
         let apart = l.select(is_long, l.min(l.splat(APART), most), zero);
-        l.store(l.mul(major, apart), wave::group_mut(&mut filters.major, at));
-        l.store(l.mul(minor, apart), wave::group_mut(&mut filters.minor, at));
-        l.store_i(level, wave::group_mut(&mut filters.level, at));
+        l.store(l.mul(major, apart), group_mut(&mut filters.major, at));
+        l.store(l.mul(minor, apart), group_mut(&mut filters.minor, at));
+        l.store_i(level, group_mut(&mut filters.level, at));
         filters.apart[group] = l.bits(is_long);
     }
 }

@@ -67,6 +67,6 @@ pub(super) struct Frame<'a> {
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.
     pub(super) alone: Option<GridFrame<'a>>,
-    /// How fast rays are taken to come nearer to the ground that do not fall: metres a cell.
-    pub(super) ease: f32,
+    /// How fast the ground is taken to rise towards rays: metres a cell.
+    pub(super) ground_rise: f32,
 }

@@ -202,7 +202,7 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
-            ease: 0.5 * grid.cell_length() as f32,
+            ground_rise: 0.5 * grid.cell_length() as f32,
         })
     }
 

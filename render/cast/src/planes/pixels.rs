@@ -2,7 +2,7 @@
 
 use super::sectors::Sector;
 use crate::canvas::Canvas;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, group};
 
 /// Steps that are kept until their pixels are written, where steps are columns of the image: its
 /// rows get whole runs of pixels then, instead of one here and one there.
@@ -216,8 +216,4 @@ impl PixelBlock {
         };
         sector.image_step(self.first_step + leftmost as u32)
     }
-}
-
-fn group<T>(numbers: &[T], at: usize) -> &[T; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
 }

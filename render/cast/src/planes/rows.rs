@@ -115,7 +115,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 highest: frame.highest + frame.rounding,
                 rounding: frame.rounding,
                 scale: scale as f32,
-                ease: frame.ease * scale as f32,
+                ground_rise: frame.ground_rise * scale as f32,
                 ends: [0.0; 2],
                 ahead: ground.is_large().then(|| {
                     let [x, y] = if sector.major == 0 {

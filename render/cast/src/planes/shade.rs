@@ -6,8 +6,8 @@ use super::frame::Frame;
 use super::rows::Directions;
 use super::sectors::Sector;
 use super::texture::{Halves, Mipmapped};
-use super::wave::{self, CAPACITY, Column};
-use crate::lanes::{LANES, Lanes};
+use super::wave::{CAPACITY, Column};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 use sandtable_terrain::{Ground, Photo, hypsometric_tints};
 use std::sync::LazyLock;
@@ -206,14 +206,6 @@ impl Chunk<'_> {
     }
 }
 
-fn lanes<T>(numbers: &[T], at: usize) -> &[T; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
-}
-
-fn lanes_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
-    numbers[at..].first_chunk_mut().expect("room was made")
-}
-
 /// The ground's own colours, where there is no photo.
 struct Tints<'a> {
     light: Tiles<'a, u8>,
@@ -403,20 +395,20 @@ impl<'a> Shader<'a> {
                 #[inline(always)]
                 || {
                     for at in (0..chunk.count).step_by(LANES) {
-                        let group = at / LANES;
-                        if shading.on[group] == 0 {
+                        let number = at / LANES;
+                        if shading.on[number] == 0 {
                             continue;
                         }
                         let texels = l.texels(
                             &photo.tiles.items,
-                            l.load_i(wave::group(&shading.at, at)),
+                            l.load_i(group(&shading.at, at)),
                             photo.tiles.stride,
-                            l.load(wave::group(&shading.east, at)),
-                            l.load(wave::group(&shading.north, at)),
+                            l.load(group(&shading.east, at)),
+                            l.load(group(&shading.north, at)),
                         );
-                        l.store_i(texels, lanes_mut(colours, at));
+                        l.store_i(texels, group_mut(colours, at));
                         let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
-                        shading.rest[group] |= shading.on[group] & !l.bits(whole);
+                        shading.rest[number] |= shading.on[number] & !l.bits(whole);
                     }
                 },
             );
@@ -436,10 +428,10 @@ impl<'a> Shader<'a> {
                             l,
                             l.mask(rest),
                             ground_tints,
-                            l.load(lanes(chunk.reached, at)),
-                            l.load(lanes(chunk.advance, at)),
+                            l.load(group(chunk.reached, at)),
+                            l.load(group(chunk.advance, at)),
                         );
-                        let colours = lanes_mut(colours, at);
+                        let colours = group_mut(colours, at);
                         let others = l.load_i(colours);
                         l.store_i(l.select_i(l.mask(rest), tints, others), colours);
                     },
@@ -449,9 +441,9 @@ impl<'a> Shader<'a> {
                 l.vectorize(
                     #[inline(always)]
                     || {
-                        let slope = l.load(lanes(chunk.slope, at));
-                        let up = l.div(slope, l.load(wave::group(&shading.length, at)));
-                        let colours = lanes_mut(colours, at);
+                        let slope = l.load(group(chunk.slope, at));
+                        let up = l.div(slope, l.load(group(&shading.length, at)));
+                        let colours = group_mut(colours, at);
                         let ground = l.load_i(colours);
                         l.store_i(l.select_i(l.mask(sky), sky_colours(l, up), ground), colours);
                     },
@@ -496,35 +488,35 @@ impl<'a> Shader<'a> {
             #[inline(always)]
             || {
                 for at in (0..chunk.count).step_by(LANES) {
-                    let group = at / LANES;
-                    let mut wanted = shading.rest[group];
+                    let number = at / LANES;
+                    let mut wanted = shading.rest[number];
                     if wanted == 0 {
                         continue;
                     }
                     let filters = &shading.filters;
                     let halves = Halves {
                         aside: [
-                            l.load(wave::group(&filters.major, at)),
-                            l.load(wave::group(&filters.minor, at)),
+                            l.load(group(&filters.major, at)),
+                            l.load(group(&filters.minor, at)),
                         ],
-                        level: l.load_i(wave::group(&filters.level, at)),
+                        level: l.load_i(group(&filters.level, at)),
                     };
                     if !is_photo {
                         wanted &= l.bits(l.gt_i(halves.level, l.splat_i(0)));
                     }
-                    let reached = l.load(lanes(chunk.reached, at));
-                    let advance = l.load(lanes(chunk.advance, at));
+                    let reached = l.load(group(chunk.reached, at));
+                    let advance = l.load(group(chunk.advance, at));
                     let [major, minor] = texture.scale;
                     let middle = [
                         l.mul(reached, l.splat(major)),
                         l.mul(l.mul(reached, advance), l.splat(minor)),
                     ];
                     let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
-                    shading.on[group] = l.bits(on);
+                    shading.on[number] = l.bits(on);
                     for (to, half) in shading.halves.iter_mut().zip(&located) {
-                        l.store_i(half.at, wave::group_mut(&mut to.at, at));
-                        l.store(half.east, wave::group_mut(&mut to.east, at));
-                        l.store(half.north, wave::group_mut(&mut to.north, at));
+                        l.store_i(half.at, group_mut(&mut to.at, at));
+                        l.store(half.east, group_mut(&mut to.east, at));
+                        l.store(half.north, group_mut(&mut to.north, at));
                         if self.large {
                             let tiles = &texture.frame.tiles;
                             let northern = l.add_i(half.at, l.splat_i(tiles.stride as i32));
@@ -539,22 +531,22 @@ impl<'a> Shader<'a> {
             #[inline(always)]
             || {
                 for at in (0..chunk.count).step_by(LANES) {
-                    let group = at / LANES;
-                    let on = shading.on[group] & shading.rest[group];
+                    let number = at / LANES;
+                    let on = shading.on[number] & shading.rest[number];
                     if on == 0 {
                         continue;
                     }
                     let mut texels = self.half(l, texture, &shading.halves[0], at);
-                    if shading.filters.apart[group] & on != 0 {
+                    if shading.filters.apart[number] & on != 0 {
                         let other = self.half(l, texture, &shading.halves[1], at);
                         texels = mean_bytes(l, texels, other);
                     }
                     // The mean of coverage is 255 where both have 255, or one 254: none has.
                     let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
                     let on = l.and(l.mask(on), whole);
-                    let colours = lanes_mut(colours, at);
+                    let colours = group_mut(colours, at);
                     l.store_i(l.select_i(on, texels, l.load_i(colours)), colours);
-                    shading.rest[group] &= !l.bits(on);
+                    shading.rest[number] &= !l.bits(on);
                 }
             },
         );
@@ -565,10 +557,10 @@ impl<'a> Shader<'a> {
     fn half<L: Lanes>(&self, l: L, texture: &Mipmapped<'_>, half: &Half, at: usize) -> L::I {
         l.texels(
             &texture.frame.tiles.items,
-            l.load_i(wave::group(&half.at, at)),
+            l.load_i(group(&half.at, at)),
             texture.frame.tiles.stride,
-            l.load(wave::group(&half.east, at)),
-            l.load(wave::group(&half.north, at)),
+            l.load(group(&half.east, at)),
+            l.load(group(&half.north, at)),
         )
     }
 
@@ -578,22 +570,22 @@ impl<'a> Shader<'a> {
         let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
         let infinity = l.splat(f32::INFINITY);
         for at in (0..chunk.count).step_by(LANES) {
-            let group = at / LANES;
+            let number = at / LANES;
             let mask = chunk.mask(at);
-            let reached = l.load(lanes(chunk.reached, at));
-            let advance = l.load(lanes(chunk.advance, at));
-            let slope = l.load(lanes(chunk.slope, at));
+            let reached = l.load(group(chunk.reached, at));
+            let advance = l.load(group(chunk.advance, at));
+            let slope = l.load(group(chunk.slope, at));
             let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
             let minor_length = l.mul(advance, minor_metres);
             let square = l.add(l.mul(minor_length, minor_length), major_square);
             let length = l.sqrt(l.add(square, l.mul(slope, slope)));
             let depth = l.select(hit, l.mul(reached, length), infinity);
-            l.store(depth, lanes_mut(depths, at));
-            l.store(length, wave::group_mut(&mut shading.length, at));
+            l.store(depth, group_mut(depths, at));
+            l.store(length, group_mut(&mut shading.length, at));
             let hits = l.bits(hit);
-            shading.sky[group] = mask & !hits;
-            shading.rest[group] = hits;
-            shading.on[group] = 0;
+            shading.sky[number] = mask & !hits;
+            shading.rest[number] = hits;
+            shading.on[number] = 0;
             if self.large && hits != 0 && self.photo.is_some() {
                 self.prefetch(l, chunk, at, hit, reached, advance);
             }
@@ -608,11 +600,11 @@ impl<'a> Shader<'a> {
                 };
                 let located = photo.locate(l, hit, advances);
                 let on = l.bits(located.on);
-                shading.on[group] = on;
-                shading.rest[group] = hits & !on;
-                l.store_i(located.at, wave::group_mut(&mut shading.at, at));
-                l.store(located.east, wave::group_mut(&mut shading.east, at));
-                l.store(located.north, wave::group_mut(&mut shading.north, at));
+                shading.on[number] = on;
+                shading.rest[number] = hits & !on;
+                l.store_i(located.at, group_mut(&mut shading.at, at));
+                l.store(located.east, group_mut(&mut shading.east, at));
+                l.store(located.north, group_mut(&mut shading.north, at));
             }
         }
     }

@@ -3,8 +3,8 @@
 use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
-use super::wave::{CAPACITY, Column, Ray, Wave, group, group_mut};
-use crate::lanes::{LANES, Lanes};
+use super::wave::{CAPACITY, Column, Ray, Wave};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// What one cell's or block's passage needs between its loops.
 #[repr(align(64))]
@@ -180,13 +180,13 @@ pub(super) fn go_on<L: Lanes>(
     let one_cell = l.splat_i(1);
     let major = l.add_i_where(met.crosses_major, major, one_cell);
     let minor = l.add_i_where(l.and_not(going, met.crosses_major), minor, one_cell);
-    let steep = field.steep(l, ray.slope);
-    let up = l.and(going, l.lt(l.mul(steep, l.splat(NEAR)), met.clearance));
+    let rate = field.closing_rate(l, ray.slope);
+    let up = l.and(going, l.lt(l.mul(rate, l.splat(NEAR)), met.clearance));
     let kept = low.put(l, kept, l.and_not(going, up), ray, met.next, [major, minor]);
     if l.bits(up) == 0 {
         return [kept, risen];
     }
-    let level = level_for(l, l.div(met.clearance, steep));
+    let level = level_for(l, l.div(met.clearance, rate));
     let risen = high.put_at_level(l, risen, up, ray, met.next, [major, minor], level);
     [kept, risen]
 }

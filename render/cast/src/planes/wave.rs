@@ -1,6 +1,6 @@
 //! The rays that are on their way, closed up, so that groups of lanes are always full.
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// Rays that a wave holds at most: a chunk of a step, what is left of earlier ones, and a group.
 pub(super) const CAPACITY: usize = CHUNK + 16 * LANES;
@@ -10,17 +10,6 @@ pub(super) const CHUNK: usize = 1024;
 
 /// One number of each ray.
 pub(super) type Column<T> = [T; CAPACITY];
-
-/// The numbers of the group that begins at ray `at`.
-#[inline(always)]
-pub(super) fn group<T>(column: &Column<T>, at: usize) -> &[T; LANES] {
-    column[at..].first_chunk().expect("there is room")
-}
-
-#[inline(always)]
-pub(super) fn group_mut<T>(column: &mut Column<T>, at: usize) -> &mut [T; LANES] {
-    column[at..].first_chunk_mut().expect("there is room")
-}
 
 /// Sixteen rays, all running up the major axis by a cell for each 1 of their parameter t.
 pub(super) struct Ray<L: Lanes> {

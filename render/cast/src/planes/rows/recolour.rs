@@ -2,10 +2,10 @@
 
 use super::March;
 use super::directions::{Aim, Directions, STEEP};
-use super::scratch::{MARGIN, MEMORY, Scratch, group, group_mut};
+use super::scratch::{MARGIN, MEMORY, Scratch};
 use crate::Image;
 use crate::canvas::Canvas;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shader;

@@ -61,11 +61,3 @@ impl Scratch {
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 pub(super) const MARGIN: usize = 2 * LANES;
-
-pub(super) fn group(numbers: &[f32], at: usize) -> &[f32; LANES] {
-    numbers[at..].first_chunk().expect("room was made")
-}
-
-pub(super) fn group_mut(numbers: &mut [f32], at: usize) -> &mut [f32; LANES] {
-    numbers[at..].first_chunk_mut().expect("room was made")
-}

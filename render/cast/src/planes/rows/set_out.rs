@@ -2,9 +2,9 @@
 
 use super::March;
 use super::directions::{Aim, Aimed};
-use super::scratch::{MARGIN, MEMORY, Scratch, group, group_mut};
+use super::scratch::{MARGIN, MEMORY, Scratch};
 use crate::canvas::Canvas;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
 use crate::planes::depart::{Departing, Departure};
 use crate::planes::wave::{Ray, Waves};
@@ -13,6 +13,10 @@ use crate::tally::Tally;
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
 /// closed up with others.
 const MANY: u32 = 8;
+
+/// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
+/// than any are, and few enough to be divided by what is small.
+const VERY_HIGH: f32 = 1e30;
 
 /// Lanes that begin from one predecessor where the nearest will do for all of them.
 const SHARED: i32 = 4 * LANES as i32;
@@ -145,7 +149,7 @@ impl<L: Lanes> March<'_, L> {
                     start = l.max(start, l.div(l.splat(top), slope));
                 }
                 let fresh = l.and(fresh, l.lt(start, leave));
-                let (departure, over) = (&mut scratch.departure, l.splat(f32::MAX));
+                let (departure, over) = (&mut scratch.departure, l.splat(VERY_HIGH));
                 self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
             }
             for _ in 0..count {
@@ -221,11 +225,11 @@ impl<L: Lanes> March<'_, L> {
         let l = self.l;
         let (field, waves) = (&self.fields[level], &mut waves[level]);
         let cell = field.cell_at(l, t, ray.advance);
-        let steep = field.steep(l, ray.slope);
-        let far = l.and(mask, l.lt(l.mul(steep, l.splat(FAR)), over));
+        let rate = field.closing_rate(l, ray.slope);
+        let far = l.and(mask, l.lt(l.mul(rate, l.splat(FAR)), over));
         let mask = l.and_not(mask, far);
         if l.bits(mask).count_ones() >= MANY && departure.is_free(at) {
-            let high = l.and(mask, l.lt(l.mul(steep, l.splat(NEAR)), over));
+            let high = l.and(mask, l.lt(l.mul(rate, l.splat(NEAR)), over));
             let rays = Departing {
                 level,
                 mask,
@@ -238,7 +242,7 @@ impl<L: Lanes> March<'_, L> {
             waves.low.push(l, mask, ray, t, cell);
         }
         if l.bits(far) != 0 {
-            let blocks = level_for(l, l.div(over, steep));
+            let blocks = level_for(l, l.div(over, rate));
             waves.high.push_at_level(l, far, ray, t, cell, blocks);
         }
     }
