@@ -204,6 +204,44 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
     }
 }
 
+/// As an eye rises over a flat photo of noise, the image gets evener: not all at once, where all
+/// pixels come to a coarser level.
+#[test]
+fn levels_change_by_halves() {
+    let flat = Ground::from_fn(700, 600, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let noise = |x: u32, y: u32| {
+        let level = (hash(x, y) >> 24) as u8;
+        [level, level, level, 255]
+    };
+    let scene = Scene::new(flat.with_photo(Photo {
+        pixels: TiledRaster::from_fn(1400, 1200, noise),
+        ..photo()
+    }));
+    const STEPS: i32 = 24;
+    let views: Vec<_> = (0..=STEPS)
+        .map(|k| {
+            let height = 200.0 * 2.0_f64.powf(f64::from(k) / f64::from(STEPS));
+            camera(DVec3::new(350.0, 300.0, height), -1.5707, [160, 120])
+        })
+        .collect();
+    let contrasts: Vec<_> = cast(Planes::WITH_DETAIL, &scene, &views)
+        .iter()
+        .map(|image| {
+            let levels = image.colour().iter().map(|colour| f64::from(colour[0]));
+            let count = image.colour().len() as f64;
+            let mean = levels.clone().sum::<f64>() / count;
+            let square: f64 = levels.map(|level| (level - mean).powi(2)).sum();
+            (square / count).sqrt().log2()
+        })
+        .collect();
+    let all = contrasts[0] - contrasts[STEPS as usize];
+    let steps = contrasts.windows(2).map(|pair| pair[0] - pair[1]);
+    let most = steps.fold(0.0, f64::max);
+    println!("log2 of contrast falls by {all:.2}, at once by {most:.2}");
+    assert!(all > 0.8, "{all}");
+    assert!(most < 0.75 * all, "{most} of {all}");
+}
+
 #[test]
 fn an_even_colour_stays_even() {
     let mut photo = photo();

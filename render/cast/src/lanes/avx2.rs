@@ -582,6 +582,24 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn pick(self, table: I, at: I) -> I {
+        at.map(
+            #[inline(always)]
+            |at| {
+                on_values!({
+                    let [low, high] = table.map(
+                        #[inline(always)]
+                        |half| _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(half, at)),
+                    );
+                    // The fourth bit, where a sign is, tells the halves apart.
+                    let which = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at));
+                    _mm256_castps_si256(_mm256_blendv_ps(low, high, which))
+                })
+            },
+        )
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         assert!(!table.is_empty());
         let at = limited(at, table.len() - 1);

@@ -472,6 +472,11 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn pick(self, table: __m512i, at: __m512i) -> __m512i {
+        on_values!(_mm512_permutexvar_epi32(at, table))
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: __m512i) -> __m512i {
         assert!(!table.is_empty());
         let last = i32::try_from(table.len() - 1).unwrap_or(i32::MAX);

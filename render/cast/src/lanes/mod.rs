@@ -124,6 +124,8 @@ pub(crate) trait Lanes: Copy {
     fn cells(self, posts: &SlabView<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
     /// The two numbers at each lane's place.
     fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: Self::I) -> [Self::I; 2];
+    /// The lane of `table` that the last four bits of each lane name.
+    fn pick(self, table: Self::I, at: Self::I) -> Self::I;
     /// The entry of a table at each lane's place; beyond its end the last one.
     fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
     /// As `cells`, of bytes.

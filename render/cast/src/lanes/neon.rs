@@ -542,6 +542,17 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
+    fn pick(self, table: I, at: I) -> I {
+        let (mut entries, mut lanes) = ([0; LANES], [0; LANES]);
+        self.store_i(table, &mut entries);
+        self.store_i(at, &mut lanes);
+        for lane in &mut lanes {
+            *lane = entries[*lane as usize % LANES];
+        }
+        self.load_i(&lanes)
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         assert!(!table.is_empty());
         let last = table.len() - 1;

@@ -292,6 +292,10 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
+    fn pick(self, table: I, at: I) -> I {
+        each(|k| table[at[k] as usize % LANES])
+    }
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         let last = table.len() - 1;
         each(|k| table[(at[k] as u32 as usize).min(last)] as i32)

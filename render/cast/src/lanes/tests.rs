@@ -319,6 +319,17 @@ each_isa! {
         }
     }
 
+    fn entries_are_picked<L>(l) {
+        let mut random = Random::new();
+        for _ in 0..GROUPS {
+            let table = random.lanes(Random::int);
+            let at = random.lanes(Random::int);
+            let expected = at.map(|at| table[at as usize % LANES]);
+            let found = l.pick(l.load_i(&table), l.load_i(&at));
+            assert_same_ints(l, "pick", found, expected);
+        }
+    }
+
     fn columns_are_given_for_rows<L>(l) {
         let rows: [[i32; LANES]; LANES] = from_fn(|row| from_fn(|col| (100 * row + col) as i32));
         let columns = l.transpose(rows.map(|row| l.load_i(&row)));

@@ -5,6 +5,7 @@ use super::frame::Level;
 use super::roofs::Roofs;
 use super::steepness::Steepness;
 use crate::CastError;
+use crate::lanes::LANES;
 use crate::options::{CasterOption, Options};
 use rayon::prelude::*;
 use sandtable_terrain::{
@@ -34,7 +35,7 @@ impl DetailOptions {
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
         meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.25 is \
-                  nearest to the truth in a single picture) to 4 (calmer); default 1.95, as calm as \
+                  nearest to the truth in a single picture) to 4 (calmer); default 1.9, as calm as \
                   the truth in a flight",
     };
 
@@ -42,7 +43,7 @@ impl DetailOptions {
         let on = options.choice("lod", &[("off", false), ("on", true)])?;
         let read = Self {
             cell: options.number("cell", 0.25..=8.0)?.unwrap_or(2.0),
-            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.95),
+            blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.9),
         };
         Ok(on.then_some(read))
     }
@@ -196,9 +197,11 @@ pub(super) struct DetailFrame<'a> {
 /// Colours at all resolutions, as sixteen lanes read them.
 pub(super) struct TextureFrame<'a> {
     pub(super) tiles: Tiles<'a, [u8; 4]>,
-    /// For each level the number of its first tile, and its tiles from west to east.
-    pub(super) first_tiles: Vec<u32>,
-    pub(super) tiles_across: Vec<u32>,
+    /// How many levels there are, at most as many as a group has lanes: those behind have a few
+    /// pixels in all. For each the number of its first tile, and its tiles from west to east.
+    pub(super) levels: usize,
+    pub(super) first_tiles: [i32; LANES],
+    pub(super) tiles_across: [i32; LANES],
     /// The finest level's size in pixels, and where it lies, in cells.
     pub(super) size: [u32; 2],
     pub(super) origin: [f64; 2],
@@ -210,19 +213,22 @@ pub(super) struct TextureFrame<'a> {
 impl<'a> TextureFrame<'a> {
     fn new(texture: &'a Texture, covers: bool) -> Self {
         let levels = texture.mipmap.levels();
-        let first_tiles = levels.iter().scan(0, |tiles, level| {
-            let first = *tiles;
-            *tiles += level.tile_indices().len() as u32;
-            Some(first)
-        });
+        let (mut first_tiles, mut tiles_across) = ([0; LANES], [0; LANES]);
+        let mut tiles = 0;
+        let tables = first_tiles.iter_mut().zip(&mut tiles_across);
+        for (level, (first, across)) in levels.iter().zip(tables) {
+            (*first, *across) = (tiles, level.tiles_across() as i32);
+            tiles += level.tile_indices().len() as i32;
+        }
         Self {
             tiles: Tiles::new(
                 texture.mipmap.view(),
                 levels[0].tiles_across(),
                 levels[0].tile_stride(),
             ),
-            first_tiles: first_tiles.collect(),
-            tiles_across: levels.iter().map(TiledRaster::tiles_across).collect(),
+            levels: levels.len().min(LANES),
+            first_tiles,
+            tiles_across,
             size: [levels[0].cols(), levels[0].rows()],
             origin: texture.origin,
             spacing: texture.spacing,

@@ -49,10 +49,10 @@ pub(super) struct Filters {
     /// way.
     pub(super) major: Column<f32>,
     pub(super) minor: Column<f32>,
-    /// The texture's level.
-    pub(super) level: Column<i32>,
-    /// Which pixels of each group have two halves apart.
-    pub(super) apart: [u16; CAPACITY / LANES],
+    /// The halves' levels of the texture.
+    pub(super) levels: [Column<i32>; 2],
+    /// Which pixels of each group have two halves that differ.
+    pub(super) two: [u16; CAPACITY / LANES],
 }
 
 impl Default for Filters {
@@ -60,17 +60,19 @@ impl Default for Filters {
         Self {
             major: [0.0; CAPACITY],
             minor: [0.0; CAPACITY],
-            level: [0; CAPACITY],
-            apart: [0; CAPACITY / LANES],
+            levels: [[0; CAPACITY]; 2],
+            two: [0; CAPACITY / LANES],
         }
     }
 }
 
-/// A pixel's extent along one direction in the image, and its square.
+/// A pixel's extent along one direction in the image, its square, and whether the ground goes on to
+/// one side only.
 struct Extent<L: Lanes> {
     major: L::F,
     minor: L::F,
     square: L::F,
+    ends: L::M,
 }
 
 /// The smaller one of the ways to a pixel's two neighbours, so that what lies behind a ridge does
@@ -92,11 +94,23 @@ fn extent<L: Lanes>(l: L, here: &Places<L>, before: &Places<L>, behind: &Places<
         major: l.select(any, l.select(closer, on_major, back_major), none),
         minor: l.select(any, l.select(closer, on_minor, back_minor), none),
         square: l.select(any, l.select(closer, on, back), none),
+        ends: l.lt(l.mul(l.min(on, back), l.splat(ENDS)), l.max(on, back)),
     }
 }
 
+/// How many times as large the square of one way is as the other's from which on it leads elsewhere.
+const ENDS: f32 = 4.0;
+
+/// How wide footprints are, in pixels of the texture, below which they are taken for short where the
+/// ground ends: how much of such a pixel is ground is chance, and so is what is seen at its far end.
+const NARROW: f32 = 1.0;
+
 /// Half of the way between the middles of a footprint's halves, as a part of its length.
 const APART: f32 = 0.25;
+
+/// As how many times as wide one half of a footprint is filtered, and the other one as narrow: as a
+/// footprint grows, they come to a coarser level one after the other.
+const STAGGER: f32 = 1.189_207_1;
 
 /// How much longer than wide footprints are from which on their halves are looked at apart.
 const LONG: f32 = 1.43;
@@ -115,13 +129,13 @@ pub(super) fn filters<L: Lanes>(
     wanted: &[u16],
     filters: &mut Filters,
 ) {
-    let coarsest = l.splat_i(texture.first_tiles.len() as i32 - 1);
+    let coarsest = l.splat_i(texture.levels as i32 - 1);
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
-    for (group, &wanted) in wanted.iter().enumerate() {
+    for (number, &wanted) in wanted.iter().enumerate() {
         if wanted == 0 {
             continue;
         }
-        let at = group * LANES;
+        let at = number * LANES;
         let here = this.places(l, at, 0, scale);
         let u = extent(
             l,
@@ -141,6 +155,9 @@ pub(super) fn filters<L: Lanes>(
         let length = l.sqrt(l.select(longer, v.square, u.square));
         let area = l.abs(l.sub(l.mul(u.major, v.minor), l.mul(u.minor, v.major)));
         let width = l.div(area, l.max(length, l.splat(1e-6)));
+        let ends = l.or(l.and(longer, v.ends), l.and_not(u.ends, longer));
+        let short = l.and(ends, l.lt(width, l.splat(NARROW)));
+        let length = l.select(short, l.min(length, one), length);
         // Where a footprint is smaller than a pixel, one place is as good as two.
         let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
         let reach = l.select(
@@ -149,13 +166,19 @@ pub(super) fn filters<L: Lanes>(
             l.mul(length, l.splat(0.8)),
         );
         let wide = l.mul(l.max(width, reach), l.splat(blur));
-        let level = l.min_i(l.exponent(l.max(wide, one)), coarsest);
+        let wider = l.max(l.mul(wide, l.splat(STAGGER)), one);
+        let narrower = l.max(l.mul(wide, l.splat(1.0 / STAGGER)), one);
+        let levels = [
+            l.min_i(l.exponent(wider), coarsest),
+            l.min_i(l.exponent(narrower), coarsest),
+        ];
         // No further than the footprint is wide: beyond a ridge there are other colours.
         let most = l.div(l.max(width, one), length);
         let apart = l.select(is_long, l.min(l.splat(APART), most), zero);
         l.store(l.mul(major, apart), group_mut(&mut filters.major, at));
         l.store(l.mul(minor, apart), group_mut(&mut filters.minor, at));
-        l.store_i(level, group_mut(&mut filters.level, at));
-        filters.apart[group] = l.bits(is_long);
+        l.store_i(levels[0], group_mut(&mut filters.levels[0], at));
+        l.store_i(levels[1], group_mut(&mut filters.levels[1], at));
+        filters.two[number] = l.bits(l.or(is_long, l.gt_i(levels[0], levels[1])));
     }
 }

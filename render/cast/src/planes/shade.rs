@@ -499,10 +499,13 @@ impl<'a> Shader<'a> {
                             l.load(group(&filters.major, at)),
                             l.load(group(&filters.minor, at)),
                         ],
-                        level: l.load_i(group(&filters.level, at)),
+                        levels: [
+                            l.load_i(group(&filters.levels[0], at)),
+                            l.load_i(group(&filters.levels[1], at)),
+                        ],
                     };
                     if !is_photo {
-                        wanted &= l.bits(l.gt_i(halves.level, l.splat_i(0)));
+                        wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
                     }
                     let reached = l.load(group(chunk.reached, at));
                     let advance = l.load(group(chunk.advance, at));
@@ -537,7 +540,7 @@ impl<'a> Shader<'a> {
                         continue;
                     }
                     let mut texels = self.half(l, texture, &shading.halves[0], at);
-                    if shading.filters.apart[number] & on != 0 {
+                    if shading.filters.two[number] & on != 0 {
                         let other = self.half(l, texture, &shading.halves[1], at);
                         texels = mean_bytes(l, texels, other);
                     }

@@ -58,11 +58,11 @@ pub(super) struct Located<L: Lanes> {
 }
 
 /// The two halves of a footprint: from its middle, how far aside they lie in pixels of the finest
-/// level along major and minor axis (one half there, and one as far the other way), and the level
-/// that suits their width.
+/// level along major and minor axis (one half there, and one as far the other way), and the levels
+/// that suit them.
 pub(super) struct Halves<L: Lanes> {
     pub(super) aside: [L::F; 2],
-    pub(super) level: L::I,
+    pub(super) levels: [L::I; 2],
 }
 
 impl<'a> Mipmapped<'a> {
@@ -107,7 +107,6 @@ impl<'a> Mipmapped<'a> {
         middle: [L::F; 2],
         halves: &Halves<L>,
     ) -> ([Located<L>; 2], L::M) {
-        let level = halves.level;
         let bits = l.splat_i(self.bits);
         let parts = l.splat(self.parts);
         let (major, minor) = (l.mul(middle[0], parts), l.mul(middle[1], parts));
@@ -131,66 +130,48 @@ impl<'a> Mipmapped<'a> {
             );
             on = l.and_not(mask, l.or(off_x, off_y));
         }
-        let (x, last_x) = self.x.coarser(l, x, level, bits);
-        let (y, last_y) = self.y.coarser(l, y, level, bits);
-        // Rays run the other way where the sign is less than 0, which for halves on both sides
-        // matters only between the axes.
-        let exponent = l.sub_i(l.splat_i(127), level);
-        let size = l.float_of_bits(l.shl_i(exponent, l.splat_i(23)));
-        let size = l.mul(size, parts);
-        let major = l.to_int(l.mul(halves.aside[0], size));
-        let minor = l.to_int(l.mul(halves.aside[1], size));
+        let major = l.to_int(l.mul(halves.aside[0], parts));
+        let minor = l.to_int(l.mul(halves.aside[1], parts));
         let (aside_x, aside_y) = if self.major == 0 {
             (major, minor)
         } else {
             (minor, major)
         };
+        // Rays run the other way where the sign is less than 0, which for halves on both sides
+        // matters only between the axes.
         let aside_y = if self.x.sign == self.y.sign {
             aside_y
         } else {
             l.sub_i(l.splat_i(0), aside_y)
         };
-        let first_tile = l.look_up(&self.frame.first_tiles, level);
-        let across = l.look_up(&self.frame.tiles_across, level);
-        let lanes = InTexture {
-            mask,
-            last: [last_x, last_y],
-            first_tile,
-            across,
-        };
         let before = [l.sub_i(x, aside_x), l.sub_i(y, aside_y)];
         let behind = [l.add_i(x, aside_x), l.add_i(y, aside_y)];
-        let before = self.texels(l, &lanes, before);
-        let behind = self.texels(l, &lanes, behind);
+        let before = self.texels(l, mask, halves.levels[0], before);
+        let behind = self.texels(l, mask, halves.levels[1], behind);
         ([before, behind], on)
     }
 
-    /// The texels around a place in fixed point, and their weights.
+    /// The texels around a place in fixed point, in a level, and their weights.
     #[inline(always)]
-    fn texels<L: Lanes>(&self, l: L, lanes: &InTexture<L>, [x, y]: [L::I; 2]) -> Located<L> {
+    fn texels<L: Lanes>(&self, l: L, mask: L::M, level: L::I, [x, y]: [L::I; 2]) -> Located<L> {
         let (none, one) = (l.splat_i(0), l.splat_i(1));
         let bits = l.splat_i(self.bits);
+        let (x, last_x) = self.x.coarser(l, x, level, bits);
+        let (y, last_y) = self.y.coarser(l, y, level, bits);
+        let first_tile = l.pick(l.load_i(&self.frame.first_tiles), level);
+        let across = l.pick(l.load_i(&self.frame.tiles_across), level);
         let fraction = l.splat_i((1 << self.bits) - 1);
         let weight = l.splat(1.0 / self.parts);
         // At the border the outer pixel's colour goes on: all but a hair of it.
-        let x = l.max_i(l.min_i(x, l.sub_i(lanes.last[0], one)), none);
-        let y = l.max_i(l.min_i(y, l.sub_i(lanes.last[1], one)), none);
+        let x = l.max_i(l.min_i(x, l.sub_i(last_x, one)), none);
+        let y = l.max_i(l.min_i(y, l.sub_i(last_y, one)), none);
         let (col, row) = (l.shr_i(x, bits), l.shr_i(y, bits));
         let tiles = &self.frame.tiles;
-        let place = tiles.place_in(l, lanes.first_tile, lanes.across, col, row);
+        let place = tiles.place_in(l, first_tile, across, col, row);
         Located {
-            at: tiles.only(l, lanes.mask, place),
+            at: tiles.only(l, mask, place),
             east: l.mul(l.to_float(l.and_i(x, fraction)), weight),
             north: l.mul(l.to_float(l.and_i(y, fraction)), weight),
         }
     }
-}
-
-/// What lanes' levels are like.
-struct InTexture<L: Lanes> {
-    mask: L::M,
-    /// The last pixel's centre along x and y, in fixed point from the first one's.
-    last: [L::I; 2],
-    first_tile: L::I,
-    across: L::I,
 }
