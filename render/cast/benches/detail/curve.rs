@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Values of the options `cell` and `blur`.
 const CELLS: [f64; 7] = [1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
-const BLURS: [f64; 2] = [1.0, 1.25];
+const BLURS: [f64; 2] = [1.4, 1.9];
 
 /// What one frame in 60 Hz may take, in ms.
 pub(super) const FRAME: f64 = 16.6;

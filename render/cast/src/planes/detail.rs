@@ -34,7 +34,7 @@ impl DetailOptions {
     };
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
-        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.25 is \
+        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.4 is \
                   nearest to the truth in a single picture) to 4 (calmer); default 1.9, as calm as \
                   the truth in a flight",
     };
