@@ -221,7 +221,7 @@ fn levels_change_by_halves() {
     let views: Vec<_> = (0..=STEPS)
         .map(|k| {
             let height = 200.0 * 2.0_f64.powf(f64::from(k) / f64::from(STEPS));
-            camera(DVec3::new(350.0, 300.0, height), -1.5707, [160, 120])
+            camera(DVec3::new(350.0, 300.0, height), -1.57, [160, 120])
         })
         .collect();
     let contrasts: Vec<_> = cast(Planes::WITH_DETAIL, &scene, &views)

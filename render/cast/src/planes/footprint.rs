@@ -14,12 +14,13 @@ pub(super) struct Around<'a> {
     pub(super) advance: &'a [f32],
 }
 
-/// Places on the ground, in a texture's pixels from the eye along major and minor axis, and which
-/// of them there are.
+/// Places on the ground, in a texture's pixels from the eye along major and minor axis; which of
+/// them there are, and where there are rays at all.
 struct Places<L: Lanes> {
     major: L::F,
     minor: L::F,
     are: L::M,
+    rays: L::M,
 }
 
 impl Around<'_> {
@@ -37,6 +38,7 @@ impl Around<'_> {
             major: l.mul(t, l.splat(scale[0])),
             minor: l.mul(l.mul(t, advance), l.splat(scale[1])),
             are: l.and(l.mask(there), l.le(l.splat(0.0), t)),
+            rays: l.mask(there),
         }
     }
 }
@@ -66,8 +68,8 @@ impl Default for Filters {
     }
 }
 
-/// A pixel's extent along one direction in the image, its square, and whether the ground goes on to
-/// one side only.
+/// A pixel's extent along one direction in the image, its square, and whether the ground is seen to
+/// go on to one side only (beside the sector's border nothing is seen).
 struct Extent<L: Lanes> {
     major: L::F,
     minor: L::F,
@@ -94,7 +96,10 @@ fn extent<L: Lanes>(l: L, here: &Places<L>, before: &Places<L>, behind: &Places<
         major: l.select(any, l.select(closer, on_major, back_major), none),
         minor: l.select(any, l.select(closer, on_minor, back_minor), none),
         square: l.select(any, l.select(closer, on, back), none),
-        ends: l.lt(l.mul(l.min(on, back), l.splat(ENDS)), l.max(on, back)),
+        ends: l.and(
+            l.and(before.rays, behind.rays),
+            l.lt(l.mul(l.min(on, back), l.splat(ENDS)), l.max(on, back)),
+        ),
     }
 }
 
