@@ -2,7 +2,7 @@
 
 use super::March;
 use super::directions::Directions;
-use super::scratch::MARGIN;
+use super::scratch::{MARGIN, MEMORY, Scratch};
 use crate::lanes::Lanes;
 
 /// From which ray each of a group begins.
@@ -76,13 +76,20 @@ impl<L: Lanes> March<'_, L> {
     #[inline(always)]
     pub(super) fn steepest_near(
         &self,
-        reached: &[f32],
+        scratch: &Scratch,
         step: u32,
         ends: [i32; 2],
         across: f32,
     ) -> f64 {
-        let before = self.slot(step.wrapping_sub(1)) + MARGIN;
-        let [first, last] = ends.map(|lane| reached[before + lane as usize].abs());
+        let before = step.wrapping_sub(1);
+        // A step may have lanes that the one before has not: there lies what is left of others.
+        let [from, to] = scratch.lanes[before as usize % MEMORY];
+        if from >= to {
+            return self.steepest[0];
+        }
+        let before = self.slot(before) + MARGIN;
+        let reached = |lane: i32| scratch.reached[before + lane.clamp(from, to - 1) as usize].abs();
+        let [first, last] = ends.map(reached);
         let d = self.directions.at(step, ends[0]);
         let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
         let covered = (first.min(last) * width).max(1.0);

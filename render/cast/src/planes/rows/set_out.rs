@@ -58,7 +58,6 @@ impl<L: Lanes> March<'_, L> {
             (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
         });
         let slot = self.slot(step);
-        let waves = &mut scratch.waves[..self.fields.len()];
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
         let mut shared = None;
@@ -120,7 +119,7 @@ impl<L: Lanes> March<'_, L> {
                 || {
                     let ends = [first, first + count - 1];
                     let steepest = match across {
-                        Some(across) => self.steepest_near(&scratch.reached, step, ends, across),
+                        Some(across) => self.steepest_near(scratch, step, ends, across),
                         None => self.steepest[0],
                     };
                     self.predecessor(step, towards, ends, steepest, MEMORY - 1)
@@ -140,6 +139,7 @@ impl<L: Lanes> March<'_, L> {
                 fresh = l.and_not(ok, known);
                 let known = l.and(known, l.lt(start, leave));
                 let over = l.mul(start, l.splat(before.rise as f32));
+                let waves = &mut scratch.waves[..self.fields.len()];
                 let departure = &mut scratch.departure;
                 self.send(waves, departure, in_chunk, known, &ray, start, over, width);
             }
@@ -149,6 +149,7 @@ impl<L: Lanes> March<'_, L> {
                     start = l.max(start, l.div(l.splat(top), slope));
                 }
                 let fresh = l.and(fresh, l.lt(start, leave));
+                let waves = &mut scratch.waves[..self.fields.len()];
                 let (departure, over) = (&mut scratch.departure, l.splat(VERY_HIGH));
                 self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
             }
