@@ -1,6 +1,5 @@
 //! What part of the ground a pixel covers, and the filter that suits it.
 
-use super::detail::TextureFrame;
 use super::wave::{CAPACITY, Column};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
@@ -14,13 +13,12 @@ pub(super) struct Around<'a> {
     pub(super) advance: &'a [f32],
 }
 
-/// Places on the ground, in a texture's pixels from the eye along major and minor axis; which of
-/// them there are, and where there are rays at all.
+/// Places on the ground, in a texture's pixels from the eye along major and minor axis, and which of
+/// them there are.
 struct Places<L: Lanes> {
     major: L::F,
     minor: L::F,
     are: L::M,
-    rays: L::M,
 }
 
 impl Around<'_> {
@@ -38,7 +36,6 @@ impl Around<'_> {
             major: l.mul(t, l.splat(scale[0])),
             minor: l.mul(l.mul(t, advance), l.splat(scale[1])),
             are: l.and(l.mask(there), l.le(l.splat(0.0), t)),
-            rays: l.mask(there),
         }
     }
 }
@@ -68,47 +65,65 @@ impl Default for Filters {
     }
 }
 
-/// A pixel's extent along one direction in the image, its square, and whether the ground is seen to
-/// go on to one side only (beside the sector's border nothing is seen).
+/// A pixel's extent along one direction in the image, and its square.
 struct Extent<L: Lanes> {
     major: L::F,
     minor: L::F,
     square: L::F,
-    ends: L::M,
+    /// Whether ground is seen on one side only: on the other one there is the sky, or the sector ends.
+    is_guess: L::M,
 }
 
-/// The smaller one of the ways to a pixel's two neighbours, so that what lies behind a ridge does
-/// not count; nothing where neither is ground.
-#[inline(always)]
-fn extent<L: Lanes>(l: L, here: &Places<L>, before: &Places<L>, behind: &Places<L>) -> Extent<L> {
-    let (none, far) = (l.splat(0.0), l.splat(f32::MAX));
-    let back_major = l.sub(here.major, before.major);
-    let back_minor = l.sub(here.minor, before.minor);
-    let back = l.add(l.mul(back_major, back_major), l.mul(back_minor, back_minor));
-    let back = l.select(before.are, back, far);
-    let on_major = l.sub(behind.major, here.major);
-    let on_minor = l.sub(behind.minor, here.minor);
-    let on = l.add(l.mul(on_major, on_major), l.mul(on_minor, on_minor));
-    let on = l.select(behind.are, on, far);
-    let closer = l.lt(on, back);
-    let any = l.or(before.are, behind.are);
-    Extent {
-        major: l.select(any, l.select(closer, on_major, back_major), none),
-        minor: l.select(any, l.select(closer, on_minor, back_minor), none),
-        square: l.select(any, l.select(closer, on, back), none),
-        ends: l.and(
-            l.and(before.rays, behind.rays),
-            l.lt(l.mul(l.min(on, back), l.splat(ENDS)), l.max(on, back)),
-        ),
+impl<L: Lanes> Extent<L> {
+    /// The smaller one of the ways to a pixel's two neighbours, so that what lies behind a ridge
+    /// does not count; nothing where neither is ground.
+    #[inline(always)]
+    fn new(l: L, here: &Places<L>, before: &Places<L>, behind: &Places<L>) -> Self {
+        let (none, far) = (l.splat(0.0), l.splat(f32::MAX));
+        let back_major = l.sub(here.major, before.major);
+        let back_minor = l.sub(here.minor, before.minor);
+        let back = l.add(l.mul(back_major, back_major), l.mul(back_minor, back_minor));
+        let back = l.select(before.are, back, far);
+        let on_major = l.sub(behind.major, here.major);
+        let on_minor = l.sub(behind.minor, here.minor);
+        let on = l.add(l.mul(on_major, on_major), l.mul(on_minor, on_minor));
+        let on = l.select(behind.are, on, far);
+        let closer = l.lt(on, back);
+        let any = l.or(before.are, behind.are);
+        let both = l.and(before.are, behind.are);
+        Self {
+            major: l.select(any, l.select(closer, on_major, back_major), none),
+            minor: l.select(any, l.select(closer, on_minor, back_minor), none),
+            square: l.select(any, l.select(closer, on, back), none),
+            is_guess: l.and_not(any, both),
+        }
+    }
+
+    /// Whether it is a guess that is so much longer than the `other` extent that the one neighbour
+    /// that is known must lie behind a ridge.
+    #[inline(always)]
+    fn leads_astray(&self, l: L, other: &Self) -> L::M {
+        let most = l.mul(other.square, l.splat(ASTRAY));
+        l.and(self.is_guess, l.lt(most, self.square))
+    }
+
+    /// Nothing where it is a guess at a place where guesses lead `astray`.
+    #[inline(always)]
+    fn unless(&self, l: L, astray: L::M) -> Self {
+        let none = l.splat(0.0);
+        let astray = l.and(astray, self.is_guess);
+        Self {
+            major: l.select(astray, none, self.major),
+            minor: l.select(astray, none, self.minor),
+            square: l.select(astray, none, self.square),
+            is_guess: self.is_guess,
+        }
     }
 }
 
-/// How many times as large the square of one way is as the other's from which on it leads elsewhere.
-const ENDS: f32 = 4.0;
-
-/// How wide footprints are, in pixels of the texture, below which they are taken for short where the
-/// ground ends: how much of such a pixel is ground is chance, and so is what is seen at its far end.
-const NARROW: f32 = 1.0;
+/// How many times as large as the other extent's the square of a guess is from which on it is taken
+/// to lead elsewhere.
+const ASTRAY: f32 = 16.0;
 
 /// Half of the way between the middles of a footprint's halves, as a part of its length.
 const APART: f32 = 0.25;
@@ -120,21 +135,28 @@ const STAGGER: f32 = 1.189_207_1;
 /// How much longer than wide footprints are from which on their halves are looked at apart.
 const LONG: f32 = 1.43;
 
-/// Finds the filters of the pixels of a chunk in the groups that `wanted` names.
+/// How narrow footprints are to what is said of wider ones: of those narrower than about a pixel of
+/// the texture, less of the length counts, as a pixel of a coarser level would be as wide as it is
+/// long, and take in colours that lie beside them.
+const NARROW: f32 = 0.7;
+const NARROWEST: f32 = 0.15;
+
+/// Finds the filters of the pixels of a chunk in the groups that `wanted` names, of a texture with
+/// so many levels.
 ///
 /// A pixel's footprint is the parallelogram of its extents along steps and lanes (the pyramid's
 /// filter is made for its width, and two halves for its length).
 #[inline(always)]
 pub(super) fn filters<L: Lanes>(
     l: L,
-    texture: &TextureFrame<'_>,
+    levels: usize,
     scale: [f32; 2],
     blur: f32,
     [before, this, behind]: &[Around<'_>; 3],
     wanted: &[u16],
     filters: &mut Filters,
 ) {
-    let coarsest = l.splat_i(texture.levels as i32 - 1);
+    let coarsest = l.splat_i(levels as i32 - 1);
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
     for (number, &wanted) in wanted.iter().enumerate() {
         if wanted == 0 {
@@ -142,27 +164,26 @@ pub(super) fn filters<L: Lanes>(
         }
         let at = number * LANES;
         let here = this.places(l, at, 0, scale);
-        let u = extent(
+        let u = Extent::new(
             l,
             &here,
             &this.places(l, at, -1, scale),
             &this.places(l, at, 1, scale),
         );
-        let v = extent(
+        let v = Extent::new(
             l,
             &here,
             &before.places(l, at, 0, scale),
             &behind.places(l, at, 0, scale),
         );
+        let astray = l.or(u.leads_astray(l, &v), v.leads_astray(l, &u));
+        let (u, v) = (u.unless(l, astray), v.unless(l, astray));
         let longer = l.lt(u.square, v.square);
         let major = l.select(longer, v.major, u.major);
         let minor = l.select(longer, v.minor, u.minor);
         let length = l.sqrt(l.select(longer, v.square, u.square));
         let area = l.abs(l.sub(l.mul(u.major, v.minor), l.mul(u.minor, v.major)));
         let width = l.div(area, l.max(length, l.splat(1e-6)));
-        let ends = l.or(l.and(longer, v.ends), l.and_not(u.ends, longer));
-        let short = l.and(ends, l.lt(width, l.splat(NARROW)));
-        let length = l.select(short, l.min(length, one), length);
         // Where a footprint is smaller than a pixel, one place is as good as two.
         let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
         let reach = l.select(
@@ -170,6 +191,8 @@ pub(super) fn filters<L: Lanes>(
             l.mul(length, l.splat(0.4)),
             l.mul(length, l.splat(0.8)),
         );
+        let counts = l.max(l.mul(width, l.splat(NARROW)), l.splat(NARROWEST));
+        let reach = l.mul(reach, l.min(counts, one));
         let wide = l.mul(l.max(width, reach), l.splat(blur));
         let wider = l.max(l.mul(wide, l.splat(STAGGER)), one);
         let narrower = l.max(l.mul(wide, l.splat(1.0 / STAGGER)), one);
@@ -185,5 +208,58 @@ pub(super) fn filters<L: Lanes>(
         l.store_i(levels[0], group_mut(&mut filters.levels[0], at));
         l.store_i(levels[1], group_mut(&mut filters.levels[1], at));
         filters.two[number] = l.bits(l.or(is_long, l.gt_i(levels[0], levels[1])));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Portable;
+
+    /// The levels of the first four pixels of a step, of which each step has the lanes `lanes`, and
+    /// `place` says where on the ground the pixel of a step and a lane lies, in pixels of a texture
+    /// along the major and the minor axis.
+    fn levels(lanes: [i32; 2], place: impl Fn(i32, i32) -> [f32; 2]) -> [i32; 4] {
+        let steps = [-1, 0, 1].map(|step| {
+            let numbers = (-1..LANES as i32 + 1).map(|lane| place(step, lane));
+            let (reached, advance): (Vec<_>, Vec<_>) =
+                numbers.map(|[major, minor]| (major, minor / major)).unzip();
+            (reached, advance)
+        });
+        let around = steps.each_ref().map(|(reached, advance)| Around {
+            lanes,
+            reached,
+            advance,
+        });
+        let mut found = Box::<Filters>::default();
+        filters(Portable, 9, [1.0; 2], 1.9, &around, &[0xf], &mut found);
+        std::array::from_fn(|lane| found.levels[0][lane])
+    }
+
+    #[test]
+    fn narrow_footprints_are_not_filtered_as_wide_as_they_are_long() {
+        let long_and_wide = |width: f32| {
+            levels([-1, 17], |step, lane| {
+                [200.0 + 6.0 * step as f32, 50.0 + width * lane as f32]
+            })
+        };
+        assert_eq!(long_and_wide(3.0), [2; 4]);
+        assert_eq!(long_and_wide(1.5), [2; 4]);
+        assert_eq!(long_and_wide(0.1), [0; 4]);
+    }
+
+    #[test]
+    fn beside_a_sectors_border_what_lies_behind_a_ridge_does_not_count() {
+        // Lane 0 sees a ridge, and all the others the ground behind it.
+        let ridge = |step: i32, lane: i32| {
+            let near = if lane < 1 { 100.0 } else { 400.0 };
+            [near + step as f32, lane as f32]
+        };
+        let [in_the_midst, ..] = levels([-1, 17], ridge);
+        let [at_the_border, ..] = levels([0, 17], ridge);
+        assert_eq!([in_the_midst, at_the_border], [1, 0]);
+        // A guess that is no further astray than the other extent stays.
+        let plain = |step: i32, lane: i32| [100.0 + 2.0 * step as f32, 2.0 * lane as f32];
+        assert_eq!(levels([0, 17], plain), [2; 4]);
     }
 }

@@ -475,7 +475,7 @@ impl<'a> Shader<'a> {
             || {
                 filters(
                     l,
-                    texture.frame,
+                    texture.frame.levels,
                     texture.scale,
                     self.blur,
                     &chunk.around,
