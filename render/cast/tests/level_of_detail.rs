@@ -248,7 +248,11 @@ fn what_was_cast_before_changes_nothing() {
     // Spikes make many rays begin where others than those right before them have ended.
     let spikes = |col: u32, row: u32| {
         let hills = 20.0 * ((f64::from(col) * 0.03).sin() + (f64::from(row) * 0.041).cos());
-        let spike = if hash(col, row).is_multiple_of(97) { 15.0 } else { 0.0 };
+        let spike = if hash(col, row).is_multiple_of(97) {
+            15.0
+        } else {
+            0.0
+        };
         (hills + spike) as f32
     };
     let scene = Scene::new(Ground::from_fn(500, 500, DVec2::ONE, spikes).expect("a sound grid"));

@@ -37,36 +37,52 @@ fn run<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Two neighbouring items of four bytes each, for lanes 0 to 7 and 8 to 15.
-type Pairs = [__m512i; 2];
+/// Two neighbouring items of four bytes each, of eight lanes.
+///
+/// Lanes 0, 1, 4, 5, 8, 9, 12 and 13 come together, and the others: then what works within quarters
+/// of registers gives sixteen lanes in order.
+type Pairs = __m512i;
 
-/// The pairs at sixteen addresses.
+/// The pairs of lanes at addresses, and other pairs of theirs at other addresses: as many from
+/// each, as the addresses are read once.
 ///
 /// # Safety
 /// Eight bytes can be read at each.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-unsafe fn pairs(address: impl Fn(usize) -> *const u8) -> Pairs {
-    macro_rules! quarter {
-        ($k:expr) => {{
+unsafe fn pairs<const N: usize>(address: impl Fn(usize) -> [*const u8; N]) -> [[Pairs; 2]; N] {
+    let quarter = |k: usize| {
+        let (first, second) = (address(k), address(k + 1));
+        std::array::from_fn::<_, N, _>(|n| {
             // SAFETY: the caller's promise.
             unsafe {
-                let low = _mm_loadl_epi64(address($k).cast());
-                let both = _mm_loadh_pd(_mm_castsi128_pd(low), address($k + 1).cast());
+                let low = _mm_loadl_epi64(first[n].cast());
+                let both = _mm_loadh_pd(_mm_castsi128_pd(low), second[n].cast());
                 _mm_castpd_si128(both)
             }
-        }};
-    }
-    macro_rules! half {
-        ($k:expr) => {{
-            let low = _mm256_castsi128_si256(quarter!($k));
-            let low = _mm256_inserti128_si256::<1>(low, quarter!($k + 2));
-            let high = _mm256_castsi128_si256(quarter!($k + 4));
-            let high = _mm256_inserti128_si256::<1>(high, quarter!($k + 6));
+        })
+    };
+    let half = |k: usize| {
+        let [a, b, c, d] = [quarter(k), quarter(k + 4), quarter(k + 8), quarter(k + 12)];
+        std::array::from_fn::<_, N, _>(|n| {
+            let low = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(a[n]), b[n]);
+            let high = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(c[n]), d[n]);
             _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
-        }};
-    }
-    [half!(0), half!(8)]
+        })
+    };
+    let (low, high) = (half(0), half(2));
+    std::array::from_fn(|n| [low[n], high[n]])
+}
+
+/// The first items of pairs, and the second ones.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
+#[inline]
+fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
+    let (a, b) = (_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
+    [
+        _mm512_shuffle_ps::<0b10_00_10_00>(a, b),
+        _mm512_shuffle_ps::<0b11_01_11_01>(a, b),
+    ]
 }
 
 /// Lanes in memory, from where single ones are read. That is faster than taking them out of a
@@ -90,7 +106,7 @@ impl InMemory {
 /// The pairs at lanes' places, and those a row further. Places behind the last cell are moved to
 /// it.
 #[inline(always)]
-fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
+fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [[Pairs; 2]; 2] {
     const { assert!(size_of::<T>() == 4) };
     assert!(items.len() >= stride as usize + 2, "a tile has a cell");
     let last = items.len() - (stride as usize + 2);
@@ -101,26 +117,28 @@ fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [Pairs; 2] {
     let north = south.wrapping_add(stride as usize);
     // SAFETY: from each place on there is a row and two items.
     unsafe {
-        [
-            pairs(|k| south.wrapping_add(places.lane(k)).cast()),
-            pairs(|k| north.wrapping_add(places.lane(k)).cast()),
-        ]
+        pairs(|k| {
+            let place = places.lane(k);
+            [
+                south.wrapping_add(place).cast(),
+                north.wrapping_add(place).cast(),
+            ]
+        })
     }
 }
 
-/// Blends sixteen lanes' four texels: a southern and a northern row of neighbours, lanes 0 to 7 and
-/// 8 to 15 each.
+/// Blends sixteen lanes' four texels: a southern and a northern row of neighbours.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m512) -> __m512i {
+fn blend([south, north_row]: [[Pairs; 2]; 2], east: __m512, north: __m512) -> __m512i {
     let scale = _mm512_set1_ps(32767.0);
     let east = _mm512_cvttps_epi32(_mm512_mul_ps(east, scale));
     let north = _mm512_cvttps_epi32(_mm512_mul_ps(north, scale));
-    // A lane's weight on each of its four channels.
-    let spread = |weights: __m256i| {
-        let wide = _mm512_cvtepu32_epi64(weights);
-        let pair = _mm512_or_si512(wide, _mm512_slli_epi64::<16>(wide));
-        _mm512_or_si512(pair, _mm512_slli_epi64::<32>(pair))
+    // The weights of eight lanes, in the order of `Pairs`, on each of their four channels.
+    let spread = |weights, first: i64| {
+        let of = |lane: i64| 0x0001_0001_0001_0001 * 2 * (first + lane);
+        let [a, b, c, d, e, f, g, h] = [0, 1, 4, 5, 8, 9, 12, 13].map(of);
+        _mm512_permutexvar_epi16(_mm512_setr_epi64(a, b, c, d, e, f, g, h), weights)
     };
     // Eight lanes' western and eastern texels, 16 bits a channel, six of them a fraction.
     let west_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
@@ -137,25 +155,14 @@ fn blend(south: [__m512i; 2], north_row: [__m512i; 2], east: __m512, north: __m5
         let east = _mm512_slli_epi16::<6>(_mm512_shuffle_epi8(pairs, east_of));
         along(west, east, share)
     };
-    let eight = |south, north_row, east: __m256i, north: __m256i| {
-        let east = spread(east);
-        let blended = along(row(south, east), row(north_row, east), spread(north));
-        let rounded = _mm512_add_epi16(blended, _mm512_set1_epi16(32));
-        _mm512_cvtepi16_epi8(_mm512_srli_epi16::<6>(rounded))
+    let eight = |k: usize| {
+        let first = 2 * k as i64;
+        let east = spread(east, first);
+        let [south, north_row] = [row(south[k], east), row(north_row[k], east)];
+        let blended = along(south, north_row, spread(north, first));
+        _mm512_srli_epi16::<6>(_mm512_add_epi16(blended, _mm512_set1_epi16(32)))
     };
-    let low = eight(
-        south[0],
-        north_row[0],
-        _mm512_castsi512_si256(east),
-        _mm512_castsi512_si256(north),
-    );
-    let high = eight(
-        south[1],
-        north_row[1],
-        _mm512_extracti64x4_epi64::<1>(east),
-        _mm512_extracti64x4_epi64::<1>(north),
-    );
-    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+    _mm512_packus_epi16(eight(0), eight(1))
 }
 
 /// Columns for rows: within quarters of registers first, then whole quarters.
@@ -410,17 +417,9 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn cells(self, posts: &SlabView<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
-        let [[a, b], [c, d]] = rows(posts, at, stride);
-        on_values!({
-            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-            [
-                _mm512_castsi512_ps(_mm512_permutex2var_epi32(a, even, b)),
-                _mm512_castsi512_ps(_mm512_permutex2var_epi32(a, odd, b)),
-                _mm512_castsi512_ps(_mm512_permutex2var_epi32(c, even, d)),
-                _mm512_castsi512_ps(_mm512_permutex2var_epi32(c, odd, d)),
-            ]
-        })
+        let [south, north] = rows(posts, at, stride);
+        let ([sw, se], [nw, ne]) = on_values!((apart(south), apart(north)));
+        [sw, se, nw, ne]
     }
 
     #[inline(always)]
@@ -461,13 +460,8 @@ impl Lanes for Avx512 {
         let from = items.as_ptr();
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [low, high] = pairs(|k| from.wrapping_add(places.lane(k)).cast());
-            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-            [
-                _mm512_permutex2var_epi32(low, even, high),
-                _mm512_permutex2var_epi32(low, odd, high),
-            ]
+            let [both] = pairs(|k| [from.wrapping_add(places.lane(k)).cast()]);
+            apart(both).map(|items| _mm512_castps_si512(items))
         }
     }
 
@@ -496,7 +490,7 @@ impl Lanes for Avx512 {
         east: __m512,
         north: __m512,
     ) -> __m512i {
-        let [south, north_row] = rows(texels, at, stride);
-        on_values!(blend(south, north_row, east, north))
+        let rows = rows(texels, at, stride);
+        on_values!(blend(rows, east, north))
     }
 }
