@@ -94,27 +94,12 @@ fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
     }
 }
 
-/// Lanes in memory, from where single ones are read. That is faster than taking them out of a
-/// register, which is what a compiler that sees through it would do.
-#[repr(align(64))]
-struct InMemory([u32; LANES]);
-
-impl InMemory {
-    #[inline(always)]
-    fn store(&mut self, lanes: I) -> &Self {
-        let to = self.0.as_mut_ptr();
-        // SAFETY: there is room for sixteen lanes.
-        unsafe {
-            _mm256_storeu_si256(to.cast(), lanes[0]);
-            _mm256_storeu_si256(to.add(8).cast(), lanes[1]);
-        }
-        std::hint::black_box(self)
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> usize {
-        self.0[lane] as usize
-    }
+/// The `k`-th of sixteen places, read by itself: a compiler that sees all of them would load them at
+/// once and take them out of a register one by one, which is slower.
+#[inline(always)]
+fn lane(places: &[i32; LANES], k: usize) -> usize {
+    // SAFETY: a reference can be read.
+    unsafe { std::ptr::from_ref(&places[k]).read_volatile() as u32 as usize }
 }
 
 /// Two neighbouring items of four bytes each, for eight lanes: for lanes 0, 1, 4, 5 and 2, 3, 6, 7,
@@ -155,16 +140,14 @@ fn limited(at: I, last: usize) -> I {
 /// The pairs at lanes' places, and those a row further, for lanes 0 to 7 and 8 to 15. Places behind
 /// the last cell are moved to it.
 #[inline(always)]
-fn rows<T>(items: &SlabView<'_, T>, at: I, stride: u32) -> [[Pairs; 2]; 2] {
+fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 2]; 2] {
     const { assert!(size_of::<T>() == 4) };
     assert!(items.len() >= stride as usize + 2, "a tile has a cell");
     let last = items.len() - (stride as usize + 2);
-    let mut memory = InMemory([0; LANES]);
-    let places = memory.store(limited(at, last));
     let south = items.as_ptr();
     let north = south.wrapping_add(stride as usize);
-    let southern = |k| south.wrapping_add(places.lane(k)).cast();
-    let northern = |k| north.wrapping_add(places.lane(k)).cast();
+    let southern = |k| south.wrapping_add(lane(at, k).min(last)).cast();
+    let northern = |k| north.wrapping_add(lane(at, k).min(last)).cast();
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         [
@@ -480,11 +463,15 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: I) {
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(at);
+    fn prefetch<T, const EVERY: usize>(
+        self,
+        items: &SlabView<'_, T>,
+        at: &[i32; LANES],
+        further: i32,
+    ) {
+        let from = items.as_ptr().wrapping_offset(further as isize);
         for k in (0..LANES).step_by(EVERY) {
-            let place = items.as_ptr().wrapping_add(places.lane(k));
+            let place = from.wrapping_add(lane(at, k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }
     }
@@ -512,19 +499,19 @@ impl Lanes for Avx2 {
         assert!(!to.is_empty());
         let last = to.len() - 1;
         let mut bits = self.bits(mask);
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(at);
+        let mut places = [0; LANES];
+        self.store_i(at, &mut places);
         let mut values = [0.0; LANES];
         self.store(value, &mut values);
         while bits != 0 {
             let k = bits.trailing_zeros() as usize % LANES;
-            to[places.lane(k).min(last)] = values[k];
+            to[(places[k] as u32 as usize).min(last)] = values[k];
             bits &= bits - 1;
         }
     }
 
     #[inline(always)]
-    fn cells(self, posts: &SlabView<'_, f32>, at: I, stride: u32) -> [F; 4] {
+    fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
         let [low, high] = rows(posts, at, stride);
         on_values!({
             let [[sw, se], [nw, ne]] = low.map(
@@ -568,12 +555,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
         assert!(!items.is_empty());
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(limited(at, items.len() - 1));
+        let last = items.len() - 1;
         let from = items.as_ptr();
-        let address = |k| from.wrapping_add(places.lane(k)).cast();
+        let address = |k| from.wrapping_add(lane(at, k).min(last)).cast();
         // SAFETY: no place is behind the last pair.
         unsafe {
             let [low, high] = [apart(pairs(0, address)), apart(pairs(8, address))];
@@ -614,7 +600,14 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
+    fn texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        at: &[i32; LANES],
+        stride: u32,
+        east: F,
+        north: F,
+    ) -> I {
         let [low, high] = rows(texels, at, stride);
         on_values!([
             blend(low, east[0], north[0]),

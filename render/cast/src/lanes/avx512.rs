@@ -85,40 +85,27 @@ fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
     ]
 }
 
-/// Lanes in memory, from where single ones are read. That is faster than taking them out of a
-/// register, which is what a compiler that sees through it would do.
-#[repr(align(64))]
-struct InMemory([u32; LANES]);
-
-impl InMemory {
-    #[inline(always)]
-    fn store(&mut self, lanes: __m512i) -> &Self {
-        on_values!(_mm512_store_si512(self.0.as_mut_ptr().cast(), lanes));
-        std::hint::black_box(self)
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> usize {
-        self.0[lane] as usize
-    }
+/// The `k`-th of sixteen places, read by itself: a compiler that sees all of them would load them at
+/// once and take them out of a register one by one, which is slower.
+#[inline(always)]
+fn lane(places: &[i32; LANES], k: usize) -> usize {
+    // SAFETY: a reference can be read.
+    unsafe { std::ptr::from_ref(&places[k]).read_volatile() as u32 as usize }
 }
 
 /// The pairs at lanes' places, and those a row further. Places behind the last cell are moved to
 /// it.
 #[inline(always)]
-fn rows<T>(items: &SlabView<'_, T>, at: __m512i, stride: u32) -> [[Pairs; 2]; 2] {
+fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 2]; 2] {
     const { assert!(size_of::<T>() == 4) };
     assert!(items.len() >= stride as usize + 2, "a tile has a cell");
     let last = items.len() - (stride as usize + 2);
-    let last = i32::try_from(last).unwrap_or(i32::MAX);
-    let mut memory = InMemory([0; LANES]);
-    let places = memory.store(on_values!(_mm512_min_epu32(at, _mm512_set1_epi32(last))));
     let south = items.as_ptr();
     let north = south.wrapping_add(stride as usize);
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         pairs(|k| {
-            let place = places.lane(k);
+            let place = lane(at, k).min(last);
             [
                 south.wrapping_add(place).cast(),
                 north.wrapping_add(place).cast(),
@@ -390,11 +377,15 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: __m512i) {
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(at);
+    fn prefetch<T, const EVERY: usize>(
+        self,
+        items: &SlabView<'_, T>,
+        at: &[i32; LANES],
+        further: i32,
+    ) {
+        let from = items.as_ptr().wrapping_offset(further as isize);
         for k in (0..LANES).step_by(EVERY) {
-            let place = items.as_ptr().wrapping_add(places.lane(k));
+            let place = from.wrapping_add(lane(at, k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }
     }
@@ -416,7 +407,7 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn cells(self, posts: &SlabView<'_, f32>, at: __m512i, stride: u32) -> [__m512; 4] {
+    fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [__m512; 4] {
         let [south, north] = rows(posts, at, stride);
         let ([sw, se], [nw, ne]) = on_values!((apart(south), apart(north)));
         [sw, se, nw, ne]
@@ -452,15 +443,13 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: __m512i) -> [__m512i; 2] {
+    fn pairs(self, items: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [__m512i; 2] {
         assert!(!items.is_empty());
-        let last = i32::try_from(items.len() - 1).unwrap_or(i32::MAX);
-        let mut memory = InMemory([0; LANES]);
-        let places = memory.store(on_values!(_mm512_min_epu32(at, _mm512_set1_epi32(last))));
+        let last = items.len() - 1;
         let from = items.as_ptr();
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [both] = pairs(|k| [from.wrapping_add(places.lane(k)).cast()]);
+            let [both] = pairs(|k| [from.wrapping_add(lane(at, k).min(last)).cast()]);
             apart(both).map(|items| _mm512_castps_si512(items))
         }
     }
@@ -485,7 +474,7 @@ impl Lanes for Avx512 {
     fn texels(
         self,
         texels: &SlabView<'_, [u8; 4]>,
-        at: __m512i,
+        at: &[i32; LANES],
         stride: u32,
         east: __m512,
         north: __m512,

@@ -110,8 +110,13 @@ pub(crate) trait Lanes: Copy {
 
     /// Asks for the memory of an item, to be written soon.
     fn prefetch_write<T>(self, items: &[T], at: usize);
-    /// Asks for the memory of the places of every `EVERY`-th lane, to be read soon.
-    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: Self::I);
+    /// Asks for the memory `further` on from the places of every `EVERY`-th lane, to be read soon.
+    fn prefetch<T, const EVERY: usize>(
+        self,
+        items: &SlabView<'_, T>,
+        at: &[i32; LANES],
+        further: i32,
+    );
     /// Columns for rows.
     fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
 
@@ -120,10 +125,12 @@ pub(crate) trait Lanes: Copy {
 
     /// The four posts of the cell at each lane's place (south-west, south-east, north-west,
     /// north-east), of which the northern ones are `stride` further on. Places are those of cells
-    /// of the view's tiles; what else is read is any number.
-    fn cells(self, posts: &SlabView<'_, f32>, at: Self::I, stride: u32) -> [Self::F; 4];
+    /// of the view's tiles; what else is read is any number. They are read one by one, so they are
+    /// best written long before: a processor that has a whole group on its way to memory waits for
+    /// it.
+    fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [Self::F; 4];
     /// The two numbers at each lane's place.
-    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: Self::I) -> [Self::I; 2];
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [Self::I; 2];
     /// The lane of `table` that the last four bits of each lane name.
     fn pick(self, table: Self::I, at: Self::I) -> Self::I;
     /// The entry of a table at each lane's place; beyond its end the last one.
@@ -136,7 +143,7 @@ pub(crate) trait Lanes: Copy {
     fn texels(
         self,
         texels: &SlabView<'_, [u8; 4]>,
-        at: Self::I,
+        at: &[i32; LANES],
         stride: u32,
         east: Self::F,
         north: Self::F,

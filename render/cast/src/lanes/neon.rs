@@ -107,14 +107,12 @@ unsafe fn pairs<T>(items: *const T, places: &[u32]) -> [uint32x4_t; 2] {
 /// Each corner of the cells at lanes' places, by quarters of the group. Places behind the last cell
 /// are moved to it.
 #[inline(always)]
-fn corners<T>(lanes: Neon, items: &SlabView<'_, T>, at: I, stride: u32) -> [[uint32x4_t; 4]; 4] {
+fn corners<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[uint32x4_t; 4]; 4] {
     const { assert!(size_of::<T>() == 4) };
     assert!(items.len() >= stride as usize + 2, "a tile has a cell");
     let last = items.len() - (stride as usize + 2);
     let last = u32::try_from(last).unwrap_or(u32::MAX);
-    let mut places = [0; LANES];
-    lanes.store_i(at, &mut places);
-    let places = places.map(
+    let places = at.map(
         #[inline(always)]
         |place| (place as u32).min(last),
     );
@@ -457,11 +455,15 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(self, items: &SlabView<'_, T>, at: I) {
-        let mut places = [0; LANES];
-        self.store_i(at, &mut places);
+    fn prefetch<T, const EVERY: usize>(
+        self,
+        items: &SlabView<'_, T>,
+        at: &[i32; LANES],
+        further: i32,
+    ) {
+        let from = items.as_ptr().wrapping_offset(further as isize);
         for k in (0..LANES).step_by(EVERY) {
-            let place = items.as_ptr().wrapping_add(places[k] as u32 as usize);
+            let place = from.wrapping_add(at[k] as u32 as usize);
             // SAFETY: asking for memory that there is not does nothing.
             unsafe {
                 std::arch::asm!(
@@ -507,8 +509,8 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn cells(self, posts: &SlabView<'_, f32>, at: I, stride: u32) -> [F; 4] {
-        corners(self, posts, at, stride).map(
+    fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
+        corners(posts, at, stride).map(
             #[inline(always)]
             |corner| on_quarters!(vreinterpretq_f32_u32, corner),
         )
@@ -530,14 +532,12 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
         assert!(!pairs.is_empty());
         let last = pairs.len() - 1;
-        let mut places = [0; LANES];
-        self.store_i(at, &mut places);
         // SAFETY: no place is behind the last pair.
-        let found = places
-            .map(|place| unsafe { pairs.as_ptr().add((place as u32 as usize).min(last)).read() });
+        let found =
+            at.map(|place| unsafe { pairs.as_ptr().add((place as u32 as usize).min(last)).read() });
         [0, 1].map(|k| self.load_i(&found.map(|pair| pair[k] as i32)))
     }
 
@@ -565,8 +565,15 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
-        let corners = corners(self, texels, at, stride);
+    fn texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        at: &[i32; LANES],
+        stride: u32,
+        east: F,
+        north: F,
+    ) -> I {
+        let corners = corners(texels, at, stride);
         std::array::from_fn(
             #[inline(always)]
             |k| {

@@ -243,7 +243,7 @@ impl Lanes for Portable {
     fn prefetch_write<T>(self, _: &[T], _: usize) {}
 
     #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(self, _: &SlabView<'_, T>, _: I) {}
+    fn prefetch<T, const EVERY: usize>(self, _: &SlabView<'_, T>, _: &[i32; LANES], _: i32) {}
 
     #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
@@ -261,7 +261,7 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn cells(self, posts: &SlabView<'_, f32>, at: I, stride: u32) -> [F; 4] {
+    fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
         let mut lanes = [[0.0; LANES]; 4];
         for k in 0..LANES {
             let cell = cell(posts, at[k], stride);
@@ -283,7 +283,7 @@ impl Lanes for Portable {
         lanes
     }
     #[inline(always)]
-    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: I) -> [I; 2] {
+    fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
         [0, 1].map(|number| {
             each(|k| {
                 let found = pairs.from_place(at[k] as u32).first();
@@ -301,7 +301,14 @@ impl Lanes for Portable {
         each(|k| table[(at[k] as u32 as usize).min(last)] as i32)
     }
     #[inline(always)]
-    fn texels(self, texels: &SlabView<'_, [u8; 4]>, at: I, stride: u32, east: F, north: F) -> I {
+    fn texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        at: &[i32; LANES],
+        stride: u32,
+        east: F,
+        north: F,
+    ) -> I {
         let mut corners = [[0; 4 * LANES]; 4];
         // Weights in 15-bit fixed point, rounded towards zero.
         let [east, north] =

@@ -379,8 +379,8 @@ each_isa! {
         let (slab, slots) = slots(2, 8, |k| k as f32);
         let view = SlabView::new(&slab, &slots);
         for at in [0, 15, 16, -1, i32::MAX, i32::MIN] {
-            l.prefetch::<_, 4>(&view, l.splat_i(at));
-            l.prefetch::<_, 1>(&view, l.splat_i(at));
+            l.prefetch::<_, 4>(&view, &[at; LANES], 0);
+            l.prefetch::<_, 1>(&view, &[at; LANES], -7);
             l.prefetch_write(&slots[0], at as u32 as usize);
         }
     }
@@ -440,7 +440,7 @@ each_isa! {
             let view = SlabView::new(&slab, &slots);
             for group in 0..GROUPS {
                 let at = cells(&mut random, tiles, group % 2 == 1);
-                let found = l.cells(&view, l.load_i(&at), cols as u32).map(|corner| floats(l, corner));
+                let found = l.cells(&view, &at, cols as u32).map(|corner| floats(l, corner));
                 for k in (0..LANES).filter(|&k| is_cell(at[k], tiles)) {
                     let place = at[k] as usize;
                     let corners = [0, 1, cols, cols + 1].map(|further| height(place + further));
@@ -494,7 +494,7 @@ each_isa! {
                     _ => random.below(places) as i32,
                 });
                 at[random.below(LANES as u32) as usize] = places as i32 - 1;
-                let found = l.pairs(&view, l.load_i(&at)).map(|numbers| ints(l, numbers));
+                let found = l.pairs(&view, &at).map(|numbers| ints(l, numbers));
                 for k in (0..LANES).filter(|&k| (at[k] as u32) < places) {
                     let pair = pair(at[k] as usize).map(|number| number as i32);
                     let name = type_name::<L>();
@@ -534,13 +534,13 @@ each_isa! {
                 }
                 let found = l.texels(
                     &view,
-                    l.load_i(&at),
+                    &at,
                     cols as u32,
                     l.load(&east),
                     l.load(&north),
                 );
                 let found = ints(l, found).map(i32::to_ne_bytes);
-                let expected = Portable.texels(&view, at, cols as u32, east, north);
+                let expected = Portable.texels(&view, &at, cols as u32, east, north);
                 for k in (0..LANES).filter(|&k| is_cell(at[k], tiles)) {
                     let place = at[k] as usize;
                     let [sw, se, nw, ne] = [0, 1, cols, cols + 1].map(|further| texel(place + further));
@@ -563,8 +563,7 @@ each_isa! {
         let mut random = Random::new();
         for _ in 0..GROUPS {
             let (east, north) = (random.lanes(Random::share), random.lanes(Random::share));
-            let at = l.splat_i(0);
-            let found = l.texels(&view, at, 2, l.load(&east), l.load(&north));
+            let found = l.texels(&view, &[0; LANES], 2, l.load(&east), l.load(&north));
             assert_same_ints(l, "texels", found, [i32::from_ne_bytes([9, 200, 77, 255]); LANES]);
         }
     }

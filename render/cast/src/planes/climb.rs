@@ -48,7 +48,7 @@ pub(super) fn approach<L: Lanes>(
     t: L::F,
     [major, minor]: [L::I; 2],
     level: L::I,
-    place: L::I,
+    place: &[i32; LANES],
 ) -> Approach<L> {
     let (zero, one) = (l.splat(0.0), l.splat_i(1));
     let eye = l.splat(field.eye_height - field.rounding);
@@ -147,12 +147,15 @@ pub(super) fn climb<L: Lanes>(
         );
         l.store_i(place, group_mut(&mut passage.place, at));
     }
+    for at in (0..rays).step_by(LANES) {
+        ask(l, field, passage, at);
+    }
     let (mut kept, mut landed) = (0, low.len());
     for at in (0..rays).step_by(LANES) {
         let mask = l.mask(wave.mask(at));
         let ray = wave.ray(l, at);
         let level = wave.level(l, at);
-        let place = l.load_i(group(&passage.place, at));
+        let place = group(&passage.place, at);
         let to = approach(
             l,
             field,
@@ -184,7 +187,7 @@ pub(super) fn climb<L: Lanes>(
     low.truncate(landed);
 }
 
-/// Where the roofs of a group's blocks lie; asks for their memory where it may be far.
+/// Where the roofs of a group's blocks lie.
 #[inline(always)]
 pub(super) fn place<L: Lanes>(
     l: L,
@@ -200,11 +203,15 @@ pub(super) fn place<L: Lanes>(
     let side = l.sub_i(l.splat_i(TOP as i32), level);
     let block_at = l.add_i(l.add_i(level_begin(l, level), l.shl_i(row, side)), col);
     let place = l.add_i(field.roofs.base(l, x, y), block_at);
-    let place = field.roofs.only(l, mask, place);
+    field.roofs.only(l, mask, place)
+}
+
+/// Asks for the memory of the roofs of a group's blocks, where it may be far.
+#[inline(always)]
+pub(super) fn ask<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: usize) {
     if field.ahead.is_some() {
-        l.prefetch::<_, 1>(&field.roofs.items, place);
+        l.prefetch::<_, 1>(&field.roofs.items, group(&passage.place, at), 0);
     }
-    place
 }
 
 /// The distance from the eye of the line behind mirrored cell `last`.
@@ -308,7 +315,7 @@ mod tests {
             let all = l.mask(u16::MAX);
             let place = place(l, &field, all, cell, finest);
             // The roof's height there.
-            let bits = l.pairs(&field.roofs.items, place);
+            let bits = l.pairs(&field.roofs.items, &place);
             let number = |bits: u32| f64::from(f32::from_bits(bits));
             let [height, rises] = bits.map(|bits| bits[0] as u32);
             let aside = |axis: &Axis, cell: i32, at: f32| {
@@ -321,7 +328,7 @@ mod tests {
             let slope = -1.0 - share(0.31) as f32 * 4.0;
             for above in [1e-5, 1e-4, 1e-3, 1e-2, 1.0] {
                 field.eye_height = (roof - f64::from(slope) * f64::from(t) + above) as f32;
-                let to = approach(l, &field, &rays(slope), l.splat(t), cell, finest, place);
+                let to = approach(l, &field, &rays(slope), l.splat(t), cell, finest, &place);
                 led += u32::from(l.bits(to.begins) & !l.bits(to.clear) & 1);
                 assert!(to.t[0] >= t);
                 for (to, from) in to.cell.iter().zip(cell) {

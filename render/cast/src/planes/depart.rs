@@ -5,7 +5,7 @@ use super::climb::{self, approach, rises_far};
 use super::coarser::Coarser;
 use super::field::Field;
 use super::roofs::FINEST;
-use super::walk::{Passage, fetch, go_on, hits_here, meet, place};
+use super::walk::{Passage, ask, fetch, go_on, hits_here, meet, place};
 use super::wave::{CHUNK, Ray, Waves};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
@@ -166,6 +166,12 @@ pub(super) fn depart<L: Lanes>(
             for at in groups() {
                 if departure.masks[at / LANES] != 0 {
                     let field = &fields[departure.levels[at / LANES] as usize];
+                    ask(l, field, passage, at);
+                }
+            }
+            for at in groups() {
+                if departure.masks[at / LANES] != 0 {
+                    let field = &fields[departure.levels[at / LANES] as usize];
                     fetch(l, field, passage, at);
                 }
             }
@@ -198,6 +204,12 @@ fn lead_to_roofs<L: Lanes>(
         }
     }
     for at in groups() {
+        if departure.high[at / LANES] != 0 {
+            let field = &fields[departure.levels[at / LANES] as usize];
+            climb::ask(l, field, passage, at);
+        }
+    }
+    for at in groups() {
         let high = departure.high[at / LANES];
         if high == 0 {
             continue;
@@ -206,7 +218,7 @@ fn lead_to_roofs<L: Lanes>(
         let field = &fields[level];
         let ray = step.ray(l, field, departure, at);
         let (t, cell) = (l.load(group(&departure.t, at)), departure.cell(l, at));
-        let place = l.load_i(group(&passage.place, at));
+        let place = group(&passage.place, at);
         let to = approach(l, field, &ray, t, cell, finest, place);
         let mask = l.mask(high);
         let t = l.select(mask, to.t, t);

@@ -312,11 +312,13 @@ impl<'a> Shader<'a> {
         }
         let rows = rows.max(1.0) as u32;
         let none = l.splat(0.0);
+        let mut places = [0; LANES];
         for row in 0..rows {
             let t = l.add(reached, l.splat(AHEAD + row as f32));
             let t = l.select(hit, t, none);
             let place = self.field.place(l, self.field.cell_at(l, t, advance));
-            l.prefetch::<_, 4>(&self.field.heights.items, place);
+            l.store_i(place, &mut places);
+            l.prefetch::<_, 4>(&self.field.heights.items, &places, 0);
             if let Some(photo) = &self.photo {
                 let aside = l.mul(t, advance);
                 let advances = if self.sector.major == 0 {
@@ -326,7 +328,8 @@ impl<'a> Shader<'a> {
                 };
                 let (x, _, _) = photo.x.locate(l, advances[0]);
                 let (y, _, _) = photo.y.locate(l, advances[1]);
-                l.prefetch::<_, 4>(&photo.tiles.items, photo.tiles.place(l, x, y));
+                l.store_i(photo.tiles.place(l, x, y), &mut places);
+                l.prefetch::<_, 4>(&photo.tiles.items, &places, 0);
             }
         }
     }
@@ -359,7 +362,9 @@ impl<'a> Shader<'a> {
         let light = bilinear(l, light, east, north);
         // The ground's height, not the hit's: a wall has the colours of the columns behind it.
         let place = field.heights.only(l, mask, field.heights.place(l, x, y));
-        let height = l.cells(&field.heights.items, place, field.heights.stride);
+        let mut places = [0; LANES];
+        l.store_i(place, &mut places);
+        let height = l.cells(&field.heights.items, &places, field.heights.stride);
         let height = bilinear(l, height, east, north);
         let share = l.mul(l.sub(height, l.splat(tints.low)), l.splat(tints.steps));
         let step = l.to_int(l.max(l.add(share, l.splat(0.5)), l.splat(0.0)));
@@ -401,7 +406,7 @@ impl<'a> Shader<'a> {
                         }
                         let texels = l.texels(
                             &photo.tiles.items,
-                            l.load_i(group(&shading.at, at)),
+                            group(&shading.at, at),
                             photo.tiles.stride,
                             l.load(group(&shading.east, at)),
                             l.load(group(&shading.north, at)),
@@ -520,12 +525,6 @@ impl<'a> Shader<'a> {
                         l.store_i(half.at, group_mut(&mut to.at, at));
                         l.store(half.east, group_mut(&mut to.east, at));
                         l.store(half.north, group_mut(&mut to.north, at));
-                        if self.large {
-                            let tiles = &texture.frame.tiles;
-                            let northern = l.add_i(half.at, l.splat_i(tiles.stride as i32));
-                            l.prefetch::<_, 1>(&tiles.items, half.at);
-                            l.prefetch::<_, 1>(&tiles.items, northern);
-                        }
                     }
                 }
             },
@@ -533,6 +532,18 @@ impl<'a> Shader<'a> {
         l.vectorize(
             #[inline(always)]
             || {
+                if self.large {
+                    let tiles = &texture.frame.tiles;
+                    for at in (0..chunk.count).step_by(LANES) {
+                        if shading.on[at / LANES] & shading.rest[at / LANES] != 0 {
+                            for half in &shading.halves {
+                                let place = group(&half.at, at);
+                                l.prefetch::<_, 1>(&tiles.items, place, 0);
+                                l.prefetch::<_, 1>(&tiles.items, place, tiles.stride as i32);
+                            }
+                        }
+                    }
+                }
                 for at in (0..chunk.count).step_by(LANES) {
                     let number = at / LANES;
                     let on = shading.on[number] & shading.rest[number];
@@ -560,7 +571,7 @@ impl<'a> Shader<'a> {
     fn half<L: Lanes>(&self, l: L, texture: &Mipmapped<'_>, half: &Half, at: usize) -> L::I {
         l.texels(
             &texture.frame.tiles.items,
-            l.load_i(group(&half.at, at)),
+            group(&half.at, at),
             texture.frame.tiles.stride,
             l.load(group(&half.east, at)),
             l.load(group(&half.north, at)),

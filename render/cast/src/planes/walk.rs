@@ -43,7 +43,7 @@ fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4
     }
 }
 
-/// Finds where the posts of a group's cells lie, and asks for their memory where it may be far.
+/// Finds where the posts of a group's cells lie.
 #[inline(always)]
 pub(super) fn place<L: Lanes>(
     l: L,
@@ -54,17 +54,22 @@ pub(super) fn place<L: Lanes>(
     at: usize,
 ) {
     let place = field.heights.only(l, mask, field.place(l, cell));
-    if let Some(ahead) = field.ahead {
-        let ahead = l.add_i(place, l.splat_i(ahead));
-        l.prefetch::<_, 1>(&field.heights.items, ahead);
-    }
     l.store_i(place, group_mut(&mut passage.place, at));
+}
+
+/// Asks for the memory of the posts of a group's cells, where it may be far.
+#[inline(always)]
+pub(super) fn ask<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: usize) {
+    if let Some(ahead) = field.ahead {
+        let place = group(&passage.place, at);
+        l.prefetch::<_, 1>(&field.heights.items, place, ahead);
+    }
 }
 
 /// Fetches the posts of a group's cells.
 #[inline(always)]
 pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at: usize) {
-    let place = l.load_i(group(&passage.place, at));
+    let place = group(&passage.place, at);
     let posts = l.cells(&field.heights.items, place, field.heights.stride);
     for (to, posts) in passage.posts.iter_mut().zip(posts) {
         l.store(posts, group_mut(to, at));
@@ -99,6 +104,9 @@ pub(super) fn walk<L: Lanes>(
     l.vectorize(
         #[inline(always)]
         || {
+            for at in (0..wave.len()).step_by(LANES) {
+                ask(l, field, passage, at);
+            }
             for at in (0..wave.len()).step_by(LANES) {
                 fetch(l, field, passage, at);
             }
