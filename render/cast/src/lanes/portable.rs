@@ -322,17 +322,28 @@ impl Lanes for Portable {
             easts[channels.clone()].fill(east[k] as i16);
             norths[channels].fill(north[k] as i16);
         }
-        let mut blended = [0; 4 * LANES];
-        for (k, blended) in blended.iter_mut().enumerate() {
-            // Six bits of a fraction.
-            let [sw, se, nw, ne] =
-                [0, 1, 2, 3].map(|corner: usize| i16::from(corners[corner][k]) << 6);
-            let south = along(sw, se, easts[k]);
-            let north = along(nw, ne, easts[k]);
-            *blended = (along(south, north, norths[k]).wrapping_add(32) >> 6) as u8;
-        }
-        bytemuck::cast(blended)
+        bytemuck::cast(blend(&corners, &easts, &norths))
     }
+}
+
+/// Blends the channels of sixteen lanes' four texels by their weights.
+///
+/// Out of line, as only there are compilers sure to see that channels are blended side by side.
+#[inline(never)]
+fn blend(
+    [sw, se, nw, ne]: &[[u8; 4 * LANES]; 4],
+    easts: &[i16; 4 * LANES],
+    norths: &[i16; 4 * LANES],
+) -> [u8; 4 * LANES] {
+    let mut blended = [0; 4 * LANES];
+    for (k, blended) in blended.iter_mut().enumerate() {
+        // Six bits of a fraction.
+        let [sw, se, nw, ne] = [sw[k], se[k], nw[k], ne[k]].map(|corner| i16::from(corner) << 6);
+        let south = along(sw, se, easts[k]);
+        let north = along(nw, ne, easts[k]);
+        *blended = (along(south, north, norths[k]).wrapping_add(32) >> 6) as u8;
+    }
+    blended
 }
 
 /// From `from` to `to` by a share in 15-bit fixed point. Numbers of lanes that are no cells may
