@@ -43,8 +43,8 @@ fn run<R>(work: impl FnOnce() -> R) -> R {
 /// of registers gives sixteen lanes in order.
 type Pairs = __m512i;
 
-/// The pairs of lanes at addresses, and other pairs of theirs at other addresses: as many from
-/// each, as the addresses are read once.
+/// The pairs at the `N` addresses of each of sixteen lanes. They are read together, so that what
+/// tells a lane's addresses is read once.
 ///
 /// # Safety
 /// Eight bytes can be read at each.

@@ -135,9 +135,9 @@ const STAGGER: f32 = 1.189_207_1;
 /// How much longer than wide footprints are from which on their halves are looked at apart.
 const LONG: f32 = 1.43;
 
-/// How narrow footprints are to what is said of wider ones: of those narrower than about a pixel of
-/// the texture, less of the length counts, as a pixel of a coarser level would be as wide as it is
-/// long, and take in colours that lie beside them.
+/// Of footprints less than 1 / `NARROW` pixels of the texture wide only a part of the length counts:
+/// `NARROW` times the width, but `NARROWEST` at least. A pixel of a coarser level is as wide as it is
+/// long, and would take in colours that lie beside them.
 const NARROW: f32 = 0.7;
 const NARROWEST: f32 = 0.15;
 
