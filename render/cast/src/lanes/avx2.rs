@@ -1,5 +1,6 @@
 //! AVX2: eight lanes a register, two registers a group.
 
+use super::alone::place_alone;
 use super::{LANES, Lanes};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
@@ -94,14 +95,6 @@ fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
     }
 }
 
-/// The `k`-th of sixteen places, read by itself: a compiler that sees all of them would load them at
-/// once and take them out of a register one by one, which is slower.
-#[inline(always)]
-fn lane(places: &[i32; LANES], k: usize) -> usize {
-    // SAFETY: a reference can be read.
-    unsafe { std::ptr::from_ref(&places[k]).read_volatile() as u32 as usize }
-}
-
 /// Two neighbouring items of four bytes each, for eight lanes: for lanes 0, 1, 4, 5 and 2, 3, 6, 7,
 /// so that what takes from both registers by quarters gives lanes in order.
 type Pairs = [__m256i; 2];
@@ -146,8 +139,8 @@ fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 
     let last = items.len() - (stride as usize + 2);
     let south = items.as_ptr();
     let north = south.wrapping_add(stride as usize);
-    let southern = |k| south.wrapping_add(lane(at, k).min(last)).cast();
-    let northern = |k| north.wrapping_add(lane(at, k).min(last)).cast();
+    let southern = |k| south.wrapping_add(place_alone(at, k).min(last)).cast();
+    let northern = |k| north.wrapping_add(place_alone(at, k).min(last)).cast();
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         [
@@ -471,7 +464,7 @@ impl Lanes for Avx2 {
     ) {
         let from = items.as_ptr().wrapping_offset(further as isize);
         for k in (0..LANES).step_by(EVERY) {
-            let place = from.wrapping_add(lane(at, k));
+            let place = from.wrapping_add(place_alone(at, k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }
     }
@@ -559,7 +552,7 @@ impl Lanes for Avx2 {
         assert!(!items.is_empty());
         let last = items.len() - 1;
         let from = items.as_ptr();
-        let address = |k| from.wrapping_add(lane(at, k).min(last)).cast();
+        let address = |k| from.wrapping_add(place_alone(at, k).min(last)).cast();
         // SAFETY: no place is behind the last pair.
         unsafe {
             let [low, high] = [apart(pairs(0, address)), apart(pairs(8, address))];

@@ -1,5 +1,6 @@
 //! AVX-512: sixteen lanes a register.
 
+use super::alone::place_alone;
 use super::{LANES, Lanes};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
@@ -85,14 +86,6 @@ fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
     ]
 }
 
-/// The `k`-th of sixteen places, read by itself: a compiler that sees all of them would load them at
-/// once and take them out of a register one by one, which is slower.
-#[inline(always)]
-fn lane(places: &[i32; LANES], k: usize) -> usize {
-    // SAFETY: a reference can be read.
-    unsafe { std::ptr::from_ref(&places[k]).read_volatile() as u32 as usize }
-}
-
 /// The pairs at lanes' places, and those a row further. Places behind the last cell are moved to
 /// it.
 #[inline(always)]
@@ -105,7 +98,7 @@ fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         pairs(|k| {
-            let place = lane(at, k).min(last);
+            let place = place_alone(at, k).min(last);
             [
                 south.wrapping_add(place).cast(),
                 north.wrapping_add(place).cast(),
@@ -385,7 +378,7 @@ impl Lanes for Avx512 {
     ) {
         let from = items.as_ptr().wrapping_offset(further as isize);
         for k in (0..LANES).step_by(EVERY) {
-            let place = from.wrapping_add(lane(at, k));
+            let place = from.wrapping_add(place_alone(at, k));
             on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
         }
     }
@@ -449,7 +442,7 @@ impl Lanes for Avx512 {
         let from = items.as_ptr();
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [both] = pairs(|k| [from.wrapping_add(lane(at, k).min(last)).cast()]);
+            let [both] = pairs(|k| [from.wrapping_add(place_alone(at, k).min(last)).cast()]);
             apart(both).map(|items| _mm512_castps_si512(items))
         }
     }

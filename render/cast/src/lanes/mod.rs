@@ -9,6 +9,12 @@
 //! [`Isa::all`] hand out no others. Inside [`Lanes::vectorize`] the compiler may use it.
 
 #[cfg(target_arch = "x86_64")]
+#[allow(
+    unsafe_code,
+    reason = "a read that a compiler may not join with others"
+)]
+mod alone;
+#[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions of one processor")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
