@@ -1,7 +1,7 @@
 //! AVX2: eight lanes a register, two registers a group.
 
 use super::alone::place_alone;
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
@@ -183,14 +183,7 @@ fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i
     let east_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(
         4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
     ));
-    let spread = [
-        _mm256_broadcastsi128_si256(_mm_setr_epi8(
-            0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5,
-        )),
-        _mm256_broadcastsi128_si256(_mm_setr_epi8(
-            8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13,
-        )),
-    ];
+    let spread = spread();
     macro_rules! row {
         ($pairs:expr, $share:expr) => {
             along(
@@ -209,6 +202,50 @@ fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i
         }};
     }
     _mm256_packus_epi16(four!(0), four!(1))
+}
+
+/// Blends eight lanes' four texels: 16 bits a channel, six of them a fraction, in the order of
+/// `Pairs`.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn blend_fast([south, north_row]: [Pairs; 2], east: __m256i, north: __m256i) -> [__m256i; 2] {
+    // The western texel's weight and, over it, the eastern one's.
+    let share = _mm256_srli_epi32::<9>(_mm256_add_epi32(east, _mm256_set1_epi32(256)));
+    let weights = _mm256_sub_epi32(_mm256_slli_epi32::<8>(share), share);
+    let weights = _mm256_add_epi32(weights, _mm256_set1_epi32(64));
+    let side_by_side = _mm256_broadcastsi128_si256(_mm_setr_epi8(
+        0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15,
+    ));
+    let spread = spread();
+    macro_rules! row {
+        ($pairs:expr, $weights:expr) => {
+            _mm256_maddubs_epi16(_mm256_shuffle_epi8($pairs, side_by_side), $weights)
+        };
+    }
+    macro_rules! four {
+        ($k:expr) => {{
+            let weights = _mm256_shuffle_epi8(weights, spread[$k]);
+            let [south, north_row] = [row!(south[$k], weights), row!(north_row[$k], weights)];
+            let rise = _mm256_sub_epi16(north_row, south);
+            let north = _mm256_shuffle_epi8(north, spread[$k]);
+            _mm256_add_epi16(south, _mm256_mulhrs_epi16(rise, north))
+        }};
+    }
+    [four!(0), four!(1)]
+}
+
+/// Where weights of the lanes of either register of pairs go: to each of their channels.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn spread() -> [__m256i; 2] {
+    [
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(
+            0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5,
+        )),
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(
+            8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13,
+        )),
+    ]
 }
 
 /// Columns for rows, of a square of eight: within halves of registers first, then whole halves.
@@ -579,6 +616,14 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn among(self, table: [F; 2], at: I) -> F {
+        let as_ints = |group: F| on_values!(group.map(|half| _mm256_castps_si256(half)));
+        let [low, high] = table.map(|group| self.pick(as_ints(group), at));
+        let which = self.gt_i(self.and_i(at, self.splat_i(16)), self.splat_i(0));
+        self.float_of_bits(self.select_i(which, high, low))
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         assert!(!table.is_empty());
         let at = limited(at, table.len() - 1);
@@ -606,5 +651,33 @@ impl Lanes for Avx2 {
             blend(low, east[0], north[0]),
             blend(high, east[1], north[1])
         ])
+    }
+
+    #[inline(always)]
+    fn mean_texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        stride: u32,
+        places: [Texels<'_, Self>; 2],
+    ) -> I {
+        let blended = |of: Texels<'_, Self>| {
+            let [low, high] = rows(texels, of.at, stride);
+            on_values!([
+                blend_fast(low, of.east[0], of.north[0]),
+                blend_fast(high, of.east[1], of.north[1]),
+            ])
+        };
+        let (first, second) = (blended(places[0]), blended(places[1]));
+        on_values!({
+            let half = _mm256_set1_epi16(64);
+            let mean = |k: usize, n: usize| {
+                let both = _mm256_add_epi16(first[k][n], second[k][n]);
+                _mm256_srli_epi16::<7>(_mm256_add_epi16(both, half))
+            };
+            [
+                _mm256_packus_epi16(mean(0, 0), mean(0, 1)),
+                _mm256_packus_epi16(mean(1, 0), mean(1, 1)),
+            ]
+        })
     }
 }

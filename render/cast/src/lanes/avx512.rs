@@ -1,7 +1,7 @@
 //! AVX-512: sixteen lanes a register.
 
 use super::alone::place_alone;
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
@@ -114,12 +114,6 @@ fn blend([south, north_row]: [[Pairs; 2]; 2], east: __m512, north: __m512) -> __
     let scale = _mm512_set1_ps(32767.0);
     let east = _mm512_cvttps_epi32(_mm512_mul_ps(east, scale));
     let north = _mm512_cvttps_epi32(_mm512_mul_ps(north, scale));
-    // The weights of eight lanes, in the order of `Pairs`, on each of their four channels.
-    let spread = |weights, first: i64| {
-        let of = |lane: i64| 0x0001_0001_0001_0001 * 2 * (first + lane);
-        let [a, b, c, d, e, f, g, h] = [0, 1, 4, 5, 8, 9, 12, 13].map(of);
-        _mm512_permutexvar_epi16(_mm512_setr_epi64(a, b, c, d, e, f, g, h), weights)
-    };
     // Eight lanes' western and eastern texels, 16 bits a channel, six of them a fraction.
     let west_of = _mm512_broadcast_i32x4(_mm_setr_epi8(
         0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
@@ -143,6 +137,39 @@ fn blend([south, north_row]: [[Pairs; 2]; 2], east: __m512, north: __m512) -> __
         _mm512_srli_epi16::<6>(_mm512_add_epi16(blended, _mm512_set1_epi16(32)))
     };
     _mm512_packus_epi16(eight(0), eight(1))
+}
+
+/// Sixteen lanes' weights in the order of `Pairs`, on each of their four channels.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
+#[inline]
+fn spread(weights: __m512i, first: i64) -> __m512i {
+    let of = |lane: i64| 0x0001_0001_0001_0001 * 2 * (first + lane);
+    let [a, b, c, d, e, f, g, h] = [0, 1, 4, 5, 8, 9, 12, 13].map(of);
+    _mm512_permutexvar_epi16(_mm512_setr_epi64(a, b, c, d, e, f, g, h), weights)
+}
+
+/// Blends sixteen lanes' four texels: 16 bits a channel, six of them a fraction, in the order of
+/// `Pairs`.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
+#[inline]
+fn blend_fast([south, north_row]: [[Pairs; 2]; 2], east: __m512i, north: __m512i) -> [__m512i; 2] {
+    // The western texel's weight and, over it, the eastern one's.
+    let share = _mm512_srli_epi32::<9>(_mm512_add_epi32(east, _mm512_set1_epi32(256)));
+    let weights = _mm512_sub_epi32(_mm512_slli_epi32::<8>(share), share);
+    let weights = _mm512_add_epi32(weights, _mm512_set1_epi32(64));
+    let side_by_side = _mm512_broadcast_i32x4(_mm_setr_epi8(
+        0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15,
+    ));
+    let row =
+        |pairs, weights| _mm512_maddubs_epi16(_mm512_shuffle_epi8(pairs, side_by_side), weights);
+    let eight = |k: usize| {
+        let weights = spread(weights, 2 * k as i64);
+        let [south, north_row] = [row(south[k], weights), row(north_row[k], weights)];
+        let rise = _mm512_sub_epi16(north_row, south);
+        let north = spread(north, 2 * k as i64);
+        _mm512_add_epi16(south, _mm512_mulhrs_epi16(rise, north))
+    };
+    [eight(0), eight(1)]
 }
 
 /// Columns for rows: within quarters of registers first, then whole quarters.
@@ -453,6 +480,11 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn among(self, [low, high]: [__m512; 2], at: __m512i) -> __m512 {
+        on_values!(_mm512_permutex2var_ps(low, at, high))
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: __m512i) -> __m512i {
         assert!(!table.is_empty());
         let last = i32::try_from(table.len() - 1).unwrap_or(i32::MAX);
@@ -474,5 +506,27 @@ impl Lanes for Avx512 {
     ) -> __m512i {
         let rows = rows(texels, at, stride);
         on_values!(blend(rows, east, north))
+    }
+
+    #[inline(always)]
+    fn mean_texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        stride: u32,
+        places: [Texels<'_, Self>; 2],
+    ) -> __m512i {
+        let blended = |of: Texels<'_, Self>| {
+            let rows = rows(texels, of.at, stride);
+            on_values!(blend_fast(rows, of.east, of.north))
+        };
+        let (first, second) = (blended(places[0]), blended(places[1]));
+        on_values!({
+            let half = _mm512_set1_epi16(64);
+            let mean = |k: usize| {
+                let both = _mm512_add_epi16(first[k], second[k]);
+                _mm512_srli_epi16::<7>(_mm512_add_epi16(both, half))
+            };
+            _mm512_packus_epi16(mean(0), mean(1))
+        })
     }
 }

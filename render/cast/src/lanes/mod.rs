@@ -48,6 +48,15 @@ pub(crate) fn group_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
     numbers[at..].first_chunk_mut().expect("room for a group")
 }
 
+/// Places between texels.
+#[derive(Clone, Copy)]
+pub(crate) struct Texels<'a, L: Lanes> {
+    /// The place of the south-western one, and the weights of the eastern and northern ones.
+    pub(crate) at: &'a [i32; LANES],
+    pub(crate) east: L::I,
+    pub(crate) north: L::I,
+}
+
 /// Sixteen lanes of one instruction set. `F` holds 32-bit floats, `I` 32-bit integers, `M` one
 /// truth value a lane.
 pub(crate) trait Lanes: Copy {
@@ -139,6 +148,8 @@ pub(crate) trait Lanes: Copy {
     fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [Self::I; 2];
     /// The lane of `table` that the last four bits of each lane name.
     fn pick(self, table: Self::I, at: Self::I) -> Self::I;
+    /// The lane of two groups that the last five bits of each lane name.
+    fn among(self, table: [Self::F; 2], at: Self::I) -> Self::F;
     /// The entry of a table at each lane's place; beyond its end the last one.
     fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
     /// As `cells`, of bytes.
@@ -153,5 +164,13 @@ pub(crate) trait Lanes: Copy {
         stride: u32,
         east: Self::F,
         north: Self::F,
+    ) -> Self::I;
+    /// The mean of the `texels` at two places, for less: weights are in 15-bit fixed point, of which
+    /// six bits of `east` count.
+    fn mean_texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        stride: u32,
+        places: [Texels<'_, Self>; 2],
     ) -> Self::I;
 }

@@ -1,6 +1,6 @@
 //! NEON: four lanes a register, four registers a group.
 
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, Portable, Texels};
 use sandtable_terrain::SlabView;
 use std::arch::aarch64::*;
 
@@ -553,6 +553,16 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
+    fn among(self, table: [F; 2], at: I) -> F {
+        let (mut numbers, mut lanes) = ([[0.0; LANES]; 2], [0; LANES]);
+        for (numbers, group) in numbers.iter_mut().zip(table) {
+            self.store(group, numbers);
+        }
+        self.store_i(at, &mut lanes);
+        self.load(&lanes.map(|lane| numbers[lane as usize / LANES % 2][lane as usize % LANES]))
+    }
+
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         assert!(!table.is_empty());
         let last = table.len() - 1;
@@ -584,5 +594,27 @@ impl Lanes for Neon {
                 on_values!(blend(corners, east[k], north[k]))
             },
         )
+    }
+
+    #[inline(always)]
+    fn mean_texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        stride: u32,
+        places: [Texels<'_, Self>; 2],
+    ) -> I {
+        // Compilers see by themselves what is side by side there.
+        let shares = |weights: I| {
+            let mut lanes = [0; LANES];
+            self.store_i(weights, &mut lanes);
+            lanes
+        };
+        let [first, second] = places.map(|of| Texels::<Portable> {
+            at: of.at,
+            east: shares(of.east),
+            north: shares(of.north),
+        });
+        let mean = Portable.mean_texels(texels, stride, [first, second]);
+        self.load_i(&mean)
     }
 }

@@ -1,6 +1,6 @@
 //! The reference: plain Rust, which every processor runs.
 
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
 
 /// Sixteen lanes without any instruction set; compilers make of it what the processor has.
@@ -296,6 +296,10 @@ impl Lanes for Portable {
         each(|k| table[at[k] as usize % LANES])
     }
     #[inline(always)]
+    fn among(self, table: [F; 2], at: I) -> F {
+        each(|k| table[at[k] as usize / LANES % 2][at[k] as usize % LANES])
+    }
+    #[inline(always)]
     fn look_up(self, table: &[u32], at: I) -> I {
         let last = table.len() - 1;
         each(|k| table[(at[k] as u32 as usize).min(last)] as i32)
@@ -324,6 +328,53 @@ impl Lanes for Portable {
         }
         bytemuck::cast(blend(&corners, &easts, &norths))
     }
+
+    #[inline(always)]
+    fn mean_texels(
+        self,
+        texels: &SlabView<'_, [u8; 4]>,
+        stride: u32,
+        places: [Texels<'_, Self>; 2],
+    ) -> I {
+        let blended = |of: Texels<'_, Self>| {
+            let mut corners = [[0; 4 * LANES]; 4];
+            let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
+            for k in 0..LANES {
+                let channels = 4 * k..4 * k + 4;
+                for (to, texel) in corners.iter_mut().zip(cell(texels, of.at[k], stride)) {
+                    to[channels.clone()].copy_from_slice(&texel);
+                }
+                easts[channels.clone()].fill((of.east[k].wrapping_add(256) >> 9) as i16);
+                norths[channels].fill(of.north[k] as i16);
+            }
+            blend_fast(&corners, &easts, &norths)
+        };
+        let (first, second) = (blended(places[0]), blended(places[1]));
+        let mut mean = [0; 4 * LANES];
+        for k in 0..4 * LANES {
+            mean[k] = (first[k].wrapping_add(second[k]).wrapping_add(64) >> 7) as u8;
+        }
+        bytemuck::cast(mean)
+    }
+}
+
+/// Blends the channels of sixteen lanes' four texels, by eastern weights in 6-bit and northern ones
+/// in 15-bit fixed point: with six bits of a fraction. Out of line as [`blend`] is.
+#[inline(never)]
+fn blend_fast(
+    [sw, se, nw, ne]: &[[u8; 4 * LANES]; 4],
+    easts: &[i16; 4 * LANES],
+    norths: &[i16; 4 * LANES],
+) -> [i16; 4 * LANES] {
+    let mut blended = [0; 4 * LANES];
+    for (k, blended) in blended.iter_mut().enumerate() {
+        let row = |west: u8, east: u8| {
+            let (west, east) = (i16::from(west), i16::from(east));
+            (west << 6).wrapping_add((east - west).wrapping_mul(easts[k]))
+        };
+        *blended = along(row(sw[k], se[k]), row(nw[k], ne[k]), norths[k]);
+    }
+    blended
 }
 
 /// Blends the channels of sixteen lanes' four texels by their weights.

@@ -1,6 +1,6 @@
 //! Every instruction set that this processor has against arithmetic lane by lane.
 
-use super::{Isa, Kernel, LANES, Lanes, Portable};
+use super::{Isa, Kernel, LANES, Lanes, Portable, Texels};
 use sandtable_terrain::{Slab, SlabView, Slot};
 use std::any::type_name;
 use std::array::from_fn;
@@ -504,6 +504,18 @@ each_isa! {
         }
     }
 
+    fn lanes_are_picked_from_among_two_groups<L>(l) {
+        let mut random = Random::new();
+        for _ in 0..GROUPS {
+            let tables = [random.lanes(Random::float), random.lanes(Random::float)];
+            let at = random.lanes(Random::int);
+            let found = l.among(tables.each_ref().map(|table| l.load(table)), l.load_i(&at));
+            let expected = at.map(|at| tables[at as usize / LANES % 2][at as usize % LANES]);
+            let bits = |floats: [f32; LANES]| floats.map(f32::to_bits);
+            assert_eq!(bits(floats(l, found)), bits(expected), "{}", type_name::<L>());
+        }
+    }
+
     fn texels_are_blended_as_by_the_reference<L>(l) {
         let mut random = Random::new();
         for tiles in TILES {
@@ -557,6 +569,53 @@ each_isa! {
         }
     }
 
+    fn the_mean_of_texels_is_the_references<L>(l) {
+        let mut random = Random::new();
+        for tiles in TILES {
+            let [cols, rows, count] = tiles;
+            let texel = |place: usize| (place as u32 + 1).wrapping_mul(2_654_435_761).to_be_bytes();
+            let (slab, slots) = slots(count, cols * rows, texel);
+            let view = SlabView::new(&slab, &slots);
+            for group in 0..GROUPS {
+                let anything = group % 2 == 1;
+                let at: [_; 2] = from_fn(|_| cells(&mut random, tiles, anything));
+                // From one texel to the next, both ends included, in 15-bit fixed point.
+                let weight = |random: &mut Random| (random.share() * 32767.0) as i32;
+                let east: [_; 2] = from_fn(|_| random.lanes(weight));
+                let north: [_; 2] = from_fn(|_| random.lanes(weight));
+                let places = [0, 1].map(|n| Texels {
+                    at: &at[n],
+                    east: l.load_i(&east[n]),
+                    north: l.load_i(&north[n]),
+                });
+                let found = ints(l, l.mean_texels(&view, cols as u32, places));
+                let places = [0, 1].map(|n| Texels::<Portable> {
+                    at: &at[n],
+                    east: east[n],
+                    north: north[n],
+                });
+                let expected = Portable.mean_texels(&view, cols as u32, places);
+                for k in (0..LANES).filter(|&k| at.iter().all(|at| is_cell(at[k], tiles))) {
+                    assert_eq!(found[k], expected[k], "lane {k} on {}", type_name::<L>());
+                    for channel in 0..4 {
+                        let blend = |n: usize| {
+                            let place = at[n][k] as usize;
+                            let corner = |further: usize| f64::from(texel(place + further)[channel]);
+                            let [east, north] = [east[n][k], north[n][k]].map(|share| f64::from(share) / 32767.0);
+                            let south = corner(0) + (corner(1) - corner(0)) * east;
+                            let north_row = corner(cols) + (corner(cols + 1) - corner(cols)) * east;
+                            south + (north_row - south) * north
+                        };
+                        let mean = 0.5 * (blend(0) + blend(1));
+                        let found = f64::from(found[k].to_ne_bytes()[channel]);
+                        // Half of a byte, and 1 / 128 of the steps between texels.
+                        assert!((found - mean).abs() < 2.6, "{found}, not {mean}");
+                    }
+                }
+            }
+        }
+    }
+
     fn opaque_texels_stay_opaque<L>(l) {
         let (slab, slots) = slots(1, 4, |_| [9, 200, 77, 255]);
         let view = SlabView::new(&slab, &slots);
@@ -564,7 +623,15 @@ each_isa! {
         for _ in 0..GROUPS {
             let (east, north) = (random.lanes(Random::share), random.lanes(Random::share));
             let found = l.texels(&view, &[0; LANES], 2, l.load(&east), l.load(&north));
-            assert_same_ints(l, "texels", found, [i32::from_ne_bytes([9, 200, 77, 255]); LANES]);
+            let expected = [i32::from_ne_bytes([9, 200, 77, 255]); LANES];
+            assert_same_ints(l, "texels", found, expected);
+            let share = |random: &mut Random| random.below(1 << 15) as i32;
+            let place = Texels {
+                at: &[0; LANES],
+                east: l.load_i(&random.lanes(share)),
+                north: l.load_i(&random.lanes(share)),
+            };
+            assert_same_ints(l, "mean_texels", l.mean_texels(&view, 2, [place; 2]), expected);
         }
     }
 }
