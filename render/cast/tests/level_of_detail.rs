@@ -185,14 +185,15 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
         for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
             let at = (j * width + i) as usize;
             let (a, b) = (exact.depth[at], detail.depth[at]);
-            // A ray right along the border may end on either side of it.
+            // A pixel that has the border in it may end on either side.
+            let pixel = 2.0 * (0.5_f64).tan() / f64::from(width) * f64::from(a.min(b));
             let extent = scene.ground.grid().extent();
             let on_border = exact
                 .point(i, j)
                 .or(detail.point(i, j))
                 .is_some_and(|point| {
                     let inside = point.truncate().min(extent - point.truncate());
-                    inside.min_element() < 0.05
+                    inside.min_element() < 0.6 * pixel
                 });
             let same = a == b || (a - b).abs() < 2e-3 * a;
             let point = exact.point(i, j);

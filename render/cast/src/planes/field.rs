@@ -40,6 +40,11 @@ impl<'a, T> Tiles<'a, T> {
         self.begin(l, number)
     }
 
+    /// Where the tile begins that has a number along x and along y.
+    pub(super) fn tile(&self, x: i32, y: i32) -> u32 {
+        self.items.bases()[(y * self.across + x) as usize]
+    }
+
     /// Where tiles begin.
     #[inline(always)]
     fn begin<L: Lanes>(&self, l: L, number: L::I) -> L::I {

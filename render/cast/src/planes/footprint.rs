@@ -183,7 +183,8 @@ pub(super) fn filters<L: Lanes>(
         let minor = l.select(longer, v.minor, u.minor);
         let length = l.sqrt(l.select(longer, v.square, u.square));
         let area = l.abs(l.sub(l.mul(u.major, v.minor), l.mul(u.minor, v.major)));
-        let width = l.div(area, l.max(length, l.splat(1e-6)));
+        let per_length = l.div(one, l.max(length, l.splat(1e-6)));
+        let width = l.mul(area, per_length);
         // Where a footprint is smaller than a pixel, one place is as good as two.
         let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
         let reach = l.select(
@@ -201,7 +202,7 @@ pub(super) fn filters<L: Lanes>(
             l.min_i(l.exponent(narrower), coarsest),
         ];
         // No further than the footprint is wide: beyond a ridge there are other colours.
-        let most = l.div(l.max(width, one), length);
+        let most = l.mul(l.max(width, one), per_length);
         let apart = l.select(is_long, l.min(l.splat(APART), most), zero);
         l.store(l.mul(major, apart), group_mut(&mut filters.major, at));
         l.store(l.mul(minor, apart), group_mut(&mut filters.minor, at));

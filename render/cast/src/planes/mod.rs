@@ -10,6 +10,7 @@ mod floor;
 mod footprint;
 mod frame;
 mod pixels;
+mod profile;
 mod roofs;
 mod rows;
 mod sectors;

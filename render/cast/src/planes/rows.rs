@@ -1,6 +1,7 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
 mod directions;
+mod fans;
 mod predecessor;
 mod recolour;
 mod scratch;
@@ -66,6 +67,13 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let lag = u32::from(frame.detail.is_some());
     let mut shaded = 0;
     for step in 0..sector.steps {
+        if step > 0 && frame.detail.is_some() && march.is_far(step - 1, scratch) {
+            march.go_on(scratch, 0, tally);
+            shaded = march.shade(&shader, canvas, scratch, shaded, step - lag);
+            march.cast_fans(step, shaded, &shader, canvas, scratch, tally);
+            scratch.pixels.finish(l, canvas, sector);
+            return;
+        }
         // The step whose place this one takes must be done.
         if step as usize >= MEMORY && shaded + MEMORY as u32 <= step + 2 * lag {
             march.go_on(scratch, 0, tally);
@@ -224,7 +232,8 @@ impl<'a, L: Lanes> March<'a, L> {
                     directions: &self.directions,
                     reached: &scratch.reached[numbers.clone()],
                     advance: &scratch.advance[numbers.clone()],
-                    slope: &scratch.slope[numbers],
+                    slope: &scratch.slope[numbers.clone()],
+                    beyond: (step >= scratch.between_from).then(|| &scratch.beyond[numbers]),
                 };
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);

@@ -7,7 +7,7 @@ use super::rows::Directions;
 use super::sectors::Sector;
 use super::texture::{Halves, Mipmapped};
 use super::wave::{CAPACITY, Column};
-use crate::lanes::{LANES, Lanes, group, group_mut};
+use crate::lanes::{LANES, Lanes, Texels, group, group_mut};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 use sandtable_terrain::{Ground, Photo, hypsometric_tints};
 use std::sync::LazyLock;
@@ -144,20 +144,31 @@ pub(super) struct Shading {
     halves: [Half; 2],
 }
 
-/// Where colours lie in a texture, and the weights of eastern and northern texels.
+/// Where colours lie in a texture, and the weights of eastern and northern texels in fixed point.
 #[repr(align(64))]
 struct Half {
     at: Column<i32>,
-    east: Column<f32>,
-    north: Column<f32>,
+    east: Column<i32>,
+    north: Column<i32>,
 }
 
 impl Default for Half {
     fn default() -> Self {
         Self {
             at: [0; CAPACITY],
-            east: [0.0; CAPACITY],
-            north: [0.0; CAPACITY],
+            east: [0; CAPACITY],
+            north: [0; CAPACITY],
+        }
+    }
+}
+
+impl Half {
+    #[inline(always)]
+    fn texels<L: Lanes>(&self, l: L, at: usize) -> Texels<'_, L> {
+        Texels {
+            at: group(&self.at, at),
+            east: l.load_i(group(&self.east, at)),
+            north: l.load_i(group(&self.north, at)),
         }
     }
 }
@@ -190,6 +201,9 @@ pub(super) struct Chunk<'a> {
     pub(super) reached: &'a [f32],
     pub(super) advance: &'a [f32],
     pub(super) slope: &'a [f32],
+    /// Where rays lie between planes: how far a ray's other half reaches, where that is another piece
+    /// of ground; else 0.
+    pub(super) beyond: Option<&'a [f32]>,
     /// The step before, its own, and the one behind.
     pub(super) around: [Around<'a>; 3],
 }
@@ -498,8 +512,8 @@ impl<'a> Shader<'a> {
                     if wanted == 0 {
                         continue;
                     }
-                    let filters = &shading.filters;
-                    let halves = Halves {
+                    let filters = &mut shading.filters;
+                    let mut halves = Halves {
                         aside: [
                             l.load(group(&filters.major, at)),
                             l.load(group(&filters.minor, at)),
@@ -508,6 +522,7 @@ impl<'a> Shader<'a> {
                             l.load_i(group(&filters.levels[0], at)),
                             l.load_i(group(&filters.levels[1], at)),
                         ],
+                        coarsest: texture.frame.levels as i32 - 1,
                     };
                     if !is_photo {
                         wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
@@ -515,16 +530,34 @@ impl<'a> Shader<'a> {
                     let reached = l.load(group(chunk.reached, at));
                     let advance = l.load(group(chunk.advance, at));
                     let [major, minor] = texture.scale;
-                    let middle = [
-                        l.mul(reached, l.splat(major)),
-                        l.mul(l.mul(reached, advance), l.splat(minor)),
-                    ];
+                    let place = |t: L::F| {
+                        [
+                            l.mul(t, l.splat(major)),
+                            l.mul(l.mul(t, advance), l.splat(minor)),
+                        ]
+                    };
+                    let mut middle = place(reached);
+                    if let Some(beyond) = chunk.beyond {
+                        let beyond = l.load(group(beyond, at));
+                        let edge = l.lt(l.splat(0.0), beyond);
+                        let edges = wanted & l.bits(edge);
+                        if edges != 0 {
+                            halves.part(
+                                l,
+                                edge,
+                                &mut middle,
+                                place(beyond),
+                                l.div(beyond, reached),
+                            );
+                            filters.two[number] |= edges;
+                        }
+                    }
                     let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
                     shading.on[number] = l.bits(on);
                     for (to, half) in shading.halves.iter_mut().zip(&located) {
                         l.store_i(half.at, group_mut(&mut to.at, at));
-                        l.store(half.east, group_mut(&mut to.east, at));
-                        l.store(half.north, group_mut(&mut to.north, at));
+                        l.store_i(half.east, group_mut(&mut to.east, at));
+                        l.store_i(half.north, group_mut(&mut to.north, at));
                     }
                 }
             },
@@ -550,11 +583,22 @@ impl<'a> Shader<'a> {
                     if on == 0 {
                         continue;
                     }
-                    let mut texels = self.half(l, texture, &shading.halves[0], at);
-                    if shading.filters.two[number] & on != 0 {
-                        let other = self.half(l, texture, &shading.halves[1], at);
-                        texels = mean_bytes(l, texels, other);
-                    }
+                    let tiles = &texture.frame.tiles;
+                    let [first, second] = &shading.halves;
+                    let first = first.texels(l, at);
+                    let texels = if shading.filters.two[number] & on != 0 {
+                        let places = [first, second.texels(l, at)];
+                        l.mean_texels(&tiles.items, tiles.stride, places)
+                    } else {
+                        // Magnified, colours change by little from pixel to pixel. Weights have been
+                        // rounded down, by half a part on average.
+                        let share = |weight: L::I| {
+                            let parts = l.add(l.to_float(weight), l.splat(0.5));
+                            l.mul(parts, l.splat(1.0 / 32768.0))
+                        };
+                        let (east, north) = (share(first.east), share(first.north));
+                        l.texels(&tiles.items, first.at, tiles.stride, east, north)
+                    };
                     // The mean of coverage is 255 where both have 255, or one 254: none has.
                     let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
                     let on = l.and(l.mask(on), whole);
@@ -564,18 +608,6 @@ impl<'a> Shader<'a> {
                 }
             },
         );
-    }
-
-    /// The colours of halves of footprints.
-    #[inline(always)]
-    fn half<L: Lanes>(&self, l: L, texture: &Mipmapped<'_>, half: &Half, at: usize) -> L::I {
-        l.texels(
-            &texture.frame.tiles.items,
-            group(&half.at, at),
-            texture.frame.tiles.stride,
-            l.load(group(&half.east, at)),
-            l.load(group(&half.north, at)),
-        )
     }
 
     #[inline(always)]
@@ -622,16 +654,6 @@ impl<'a> Shader<'a> {
             }
         }
     }
-}
-
-/// The mean of each byte of two, rounded up.
-#[inline(always)]
-fn mean_bytes<L: Lanes>(l: L, a: L::I, b: L::I) -> L::I {
-    let both = l.and_i(a, b);
-    let any = l.sub_i(l.add_i(a, b), both);
-    let one_only = l.sub_i(any, both);
-    let half = l.and_i(l.shr_i(one_only, l.splat_i(1)), l.splat_i(0x7f7f_7f7f));
-    l.sub_i(any, half)
 }
 
 /// Blends a cell's corners (south-west, south-east, north-west, north-east) at a place in it.

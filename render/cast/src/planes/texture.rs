@@ -53,8 +53,9 @@ pub(super) struct Mipmapped<'a> {
 /// Where colours lie in a texture.
 pub(super) struct Located<L: Lanes> {
     pub(super) at: L::I,
-    pub(super) east: L::F,
-    pub(super) north: L::F,
+    /// The weights of eastern and northern texels, in 15-bit fixed point.
+    pub(super) east: L::I,
+    pub(super) north: L::I,
 }
 
 /// The two halves of a footprint: from its middle, how far aside they lie in pixels of the finest
@@ -63,6 +64,34 @@ pub(super) struct Located<L: Lanes> {
 pub(super) struct Halves<L: Lanes> {
     pub(super) aside: [L::F; 2],
     pub(super) levels: [L::I; 2],
+    /// The coarsest level that there is.
+    pub(super) coarsest: i32,
+}
+
+impl<L: Lanes> Halves<L> {
+    /// Where `edge`, puts one half at what was the `middle` and the other one at a place `beyond`,
+    /// `farther` times as far from the eye.
+    #[inline(always)]
+    pub(super) fn part(
+        &mut self,
+        l: L,
+        edge: L::M,
+        middle: &mut [L::F; 2],
+        beyond: [L::F; 2],
+        farther: L::F,
+    ) {
+        let half = l.splat(0.5);
+        for axis in 0..2 {
+            let way = l.mul(l.sub(beyond[axis], middle[axis]), half);
+            self.aside[axis] = l.select(edge, way, self.aside[axis]);
+            let between = l.add(middle[axis], way);
+            middle[axis] = l.select(edge, between, middle[axis]);
+        }
+        // Pixels cover as many times more there.
+        let level = l.add_i(self.levels[0], l.exponent(farther));
+        let level = l.max_i(l.min_i(level, l.splat_i(self.coarsest)), l.splat_i(0));
+        self.levels[1] = l.select_i(edge, level, self.levels[1]);
+    }
 }
 
 impl<'a> Mipmapped<'a> {
@@ -161,7 +190,7 @@ impl<'a> Mipmapped<'a> {
         let first_tile = l.pick(l.load_i(&self.frame.first_tiles), level);
         let across = l.pick(l.load_i(&self.frame.tiles_across), level);
         let fraction = l.splat_i((1 << self.bits) - 1);
-        let weight = l.splat(1.0 / self.parts);
+        let more_bits = l.splat_i(15 - self.bits);
         // At the border the outer pixel's colour goes on: all but a hair of it.
         let x = l.max_i(l.min_i(x, l.sub_i(last_x, one)), none);
         let y = l.max_i(l.min_i(y, l.sub_i(last_y, one)), none);
@@ -170,8 +199,8 @@ impl<'a> Mipmapped<'a> {
         let place = tiles.place_in(l, first_tile, across, col, row);
         Located {
             at: tiles.only(l, mask, place),
-            east: l.mul(l.to_float(l.and_i(x, fraction)), weight),
-            north: l.mul(l.to_float(l.and_i(y, fraction)), weight),
+            east: l.shl_i(l.and_i(x, fraction), more_bits),
+            north: l.shl_i(l.and_i(y, fraction), more_bits),
         }
     }
 }

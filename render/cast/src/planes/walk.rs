@@ -24,7 +24,7 @@ impl Default for Passage {
 
 /// A cell's corners: nearest, one further along the major axis, along the minor axis, along both.
 #[inline(always)]
-fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4] {
+pub(super) fn corners<L: Lanes>(field: &Field<'_>, [sw, se, nw, ne]: [L::F; 4]) -> [L::F; 4] {
     let [x, y] = field.x_y();
     let [sw, se, nw, ne] = if x.sign > 0 {
         [sw, se, nw, ne]

@@ -36,6 +36,10 @@ impl Directions {
         }
     }
 
+    pub(in crate::planes) fn at_place(&self, step: u32, lane: f64) -> DVec3 {
+        self.first + f64::from(step) * self.step + lane * self.lane
+    }
+
     pub(in crate::planes) fn at(&self, step: u32, lane: i32) -> DVec3 {
         self.first + f64::from(step) * self.step + f64::from(lane) * self.lane
     }

@@ -1,0 +1,97 @@
+//! Plane by plane: with level of detail, far ground is cast along vertical planes that lie about a
+//! pixel apart, and pixels lie between these.
+
+mod between;
+mod fan;
+mod march;
+
+use super::March;
+use super::directions::STEEP;
+use super::scratch::{MARGIN, MEMORY, Scratch};
+use crate::canvas::Canvas;
+use crate::lanes::{LANES, Lanes};
+use crate::planes::shade::Shader;
+use crate::tally::Tally;
+
+/// How many posts a pixel covers, about, from which on it may lie between planes.
+const FAR: f32 = 1.0;
+
+impl<L: Lanes> March<'_, L> {
+    /// Casts the steps of a sector from `begin` on, of which those before `shaded` have their
+    /// colours.
+    pub(super) fn cast_fans<T: Tally>(
+        &self,
+        begin: u32,
+        mut shaded: u32,
+        shader: &Shader<'_>,
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
+        let l = self.l;
+        let mut fans = Vec::new();
+        let mut to = self.sector.steps;
+        while to > begin {
+            let fan = self.fan(begin, to);
+            to = fan.from;
+            fans.push(fan);
+        }
+        scratch.between_from = begin;
+        let mut hits = std::mem::take(&mut scratch.hits);
+        while let Some(fan) = fans.pop() {
+            hits.clear();
+            hits.resize((fan.to - fan.from) as usize * fan.room(), -1.0);
+            for first in (0..fan.planes()).step_by(LANES) {
+                l.vectorize(
+                    #[inline(always)]
+                    || self.march(&fan, first, scratch, &mut hits),
+                );
+            }
+            for step in fan.from..fan.to {
+                let lanes = fan.lanes(step);
+                scratch.lanes[step as usize % MEMORY] = lanes;
+                if lanes[0] < lanes[1] {
+                    l.vectorize(
+                        #[inline(always)]
+                        || self.between(&fan, step, &hits, canvas, scratch, tally),
+                    );
+                }
+                shaded = self.shade(shader, canvas, scratch, shaded, step);
+            }
+        }
+        scratch.hits = hits;
+        self.shade(shader, canvas, scratch, shaded, self.sector.steps);
+    }
+
+    /// Whether most rays of a step came, so far, to where a pixel covers so many posts that its ray's
+    /// exact way makes no difference.
+    pub(super) fn is_far(&self, step: u32, scratch: &Scratch) -> bool {
+        let [from, to] = scratch.lanes[step as usize % MEMORY];
+        let at = self.slot(step) + MARGIN;
+        let (Ok(first), Ok(behind)) = (usize::try_from(from), usize::try_from(to)) else {
+            return false;
+        };
+        let width = self.pixel_width(step, 0.5 * f64::from(from + to)) as f32;
+        let some = || {
+            scratch.reached[at + first..at + behind]
+                .iter()
+                .step_by(LANES)
+        };
+        let far = some().filter(|t| t.abs() * width > FAR).count();
+        2 * far > some().len()
+    }
+
+    /// How many cells a pixel covers across its ray, for each 1 of t.
+    fn pixel_width(&self, step: u32, lane: f64) -> f64 {
+        let v = self.directions.lane;
+        let d = self.directions.at_place(step, lane);
+        let major = d.x.max(self.steep());
+        let advance = d.y.max(0.0) / major;
+        (v.y * d.x - v.x * d.y).abs() / (major * major * (1.0 + advance * advance).sqrt())
+    }
+
+    /// As much of the major axis as directions have at least.
+    fn steep(&self) -> f64 {
+        STEEP * self.frame.rays.first.length()
+    }
+}
