@@ -1,6 +1,7 @@
 //! What a caster fills: colour and depth of one view.
 
 use glam::DVec3;
+use sandtable_terrain::use_huge_pages;
 use sandtable_view::{Screen, View};
 
 /// Colour and depth, row by row from the top, and the view that they were cast for.
@@ -61,6 +62,12 @@ impl Image {
     pub fn reset(&mut self, view: View) {
         let pixels = view.size[0] as usize * view.size[1] as usize;
         self.view = view;
+        self.colour
+            .reserve_exact(pixels.saturating_sub(self.colour.len()));
+        self.depth
+            .reserve_exact(pixels.saturating_sub(self.depth.len()));
+        use_huge_pages(self.colour.spare_capacity_mut());
+        use_huge_pages(self.depth.spare_capacity_mut());
         self.colour
             .resize(pixels, u32::from_ne_bytes([0, 0, 0, 255]));
         self.depth.resize(pixels, f32::INFINITY);

@@ -1,5 +1,6 @@
 //! Memory in equal slots: tiles that lie in one piece, however they come and go.
 
+use crate::huge_pages::use_huge_pages;
 use bytemuck::Zeroable;
 use std::cell::UnsafeCell;
 use std::ops::Deref;
@@ -24,7 +25,8 @@ impl<T: Copy + Zeroable> Slab<T> {
     /// Memory for `slots` slots of `slot_len` items. What is not used takes no room yet.
     #[must_use]
     pub fn new(slots: usize, slot_len: usize) -> Arc<Self> {
-        let items = bytemuck::zeroed_slice_box::<T>(slots * slot_len);
+        let mut items = bytemuck::zeroed_slice_box::<T>(slots * slot_len);
+        use_huge_pages(&mut items);
         let pointer = Box::into_raw(items) as *mut [UnsafeCell<T>];
         // SAFETY: a cell has the layout of what it holds, and the box is ours.
         #[allow(unsafe_code, reason = "the module's purpose")]
