@@ -28,7 +28,10 @@ impl<L: Lanes> PlaneGroup<L> {
 
 /// Levels of blocks that planes may pass at once, as [`roofs`](super::roofs) has them: the larger
 /// first.
-pub(super) const PASSED: [usize; 2] = [6, 4];
+pub(super) const PASSED: [usize; 3] = [6, 5, 4];
+
+/// The smallest of them.
+const LEAST_PASSED: usize = PASSED[PASSED.len() - 1];
 
 /// How high over the eye, in metres, the ground rises at most that planes pass between the mirrored
 /// line `line` and the one that lies 2 ^ `level` cells further; `None` where blocks do not begin at
@@ -97,7 +100,7 @@ impl Axis {
 
     /// Whether at a mirrored line blocks begin that planes may pass.
     pub(super) fn is_block(&self, line: i32) -> bool {
-        self.post(line) & ((1 << PASSED[1]) - 1) == 0
+        self.post(line) & ((1 << LEAST_PASSED) - 1) == 0
     }
 
     /// The ground's cell that is a mirrored one.
