@@ -208,7 +208,11 @@ fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i
 /// `Pairs`.
 #[target_feature(enable = "avx2,popcnt")]
 #[inline]
-fn blend_fast([south, north_row]: [Pairs; 2], east: __m256i, north: __m256i) -> [__m256i; 2] {
+fn blend_by_six_bits(
+    [south, north_row]: [Pairs; 2],
+    east: __m256i,
+    north: __m256i,
+) -> [__m256i; 2] {
     // The western texel's weight and, over it, the eastern one's.
     let share = _mm256_srli_epi32::<9>(_mm256_add_epi32(east, _mm256_set1_epi32(256)));
     let weights = _mm256_sub_epi32(_mm256_slli_epi32::<8>(share), share);
@@ -663,8 +667,8 @@ impl Lanes for Avx2 {
         let blended = |of: Texels<'_, Self>| {
             let [low, high] = rows(texels, of.at, stride);
             on_values!([
-                blend_fast(low, of.east[0], of.north[0]),
-                blend_fast(high, of.east[1], of.north[1]),
+                blend_by_six_bits(low, of.east[0], of.north[0]),
+                blend_by_six_bits(high, of.east[1], of.north[1]),
             ])
         };
         let (first, second) = (blended(places[0]), blended(places[1]));

@@ -152,7 +152,11 @@ fn spread(weights: __m512i, first: i64) -> __m512i {
 /// `Pairs`.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-fn blend_fast([south, north_row]: [[Pairs; 2]; 2], east: __m512i, north: __m512i) -> [__m512i; 2] {
+fn blend_by_six_bits(
+    [south, north_row]: [[Pairs; 2]; 2],
+    east: __m512i,
+    north: __m512i,
+) -> [__m512i; 2] {
     // The western texel's weight and, over it, the eastern one's.
     let share = _mm512_srli_epi32::<9>(_mm512_add_epi32(east, _mm512_set1_epi32(256)));
     let weights = _mm512_sub_epi32(_mm512_slli_epi32::<8>(share), share);
@@ -517,7 +521,7 @@ impl Lanes for Avx512 {
     ) -> __m512i {
         let blended = |of: Texels<'_, Self>| {
             let rows = rows(texels, of.at, stride);
-            on_values!(blend_fast(rows, of.east, of.north))
+            on_values!(blend_by_six_bits(rows, of.east, of.north))
         };
         let (first, second) = (blended(places[0]), blended(places[1]));
         on_values!({

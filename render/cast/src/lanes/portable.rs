@@ -347,7 +347,7 @@ impl Lanes for Portable {
                 easts[channels.clone()].fill((of.east[k].wrapping_add(256) >> 9) as i16);
                 norths[channels].fill(of.north[k] as i16);
             }
-            blend_fast(&corners, &easts, &norths)
+            blend_by_six_bits(&corners, &easts, &norths)
         };
         let (first, second) = (blended(places[0]), blended(places[1]));
         let mut mean = [0; 4 * LANES];
@@ -361,7 +361,7 @@ impl Lanes for Portable {
 /// Blends the channels of sixteen lanes' four texels, by eastern weights in 6-bit and northern ones
 /// in 15-bit fixed point: with six bits of a fraction. Out of line as [`blend`] is.
 #[inline(never)]
-fn blend_fast(
+fn blend_by_six_bits(
     [sw, se, nw, ne]: &[[u8; 4 * LANES]; 4],
     easts: &[i16; 4 * LANES],
     norths: &[i16; 4 * LANES],

@@ -278,21 +278,7 @@ mod tests {
             let share = |by: f64| (f64::from(k) * by).fract();
             let axes = [share(0.618_034), share(0.414_213_6)]
                 .map(|share| Axis::new(-30.0 - 100.0 * share, 199, 1));
-            let mut field = Field {
-                heights: &level.heights,
-                roofs: &level.roofs,
-                major: axes[0],
-                minor: axes[1],
-                major_axis: 0,
-                eye_height: 0.0,
-                eye_rest: 0.0,
-                highest: 1e4,
-                rounding: 0.0,
-                scale: 1.0,
-                ground_rise: 0.5,
-                ends: [1e4; 2],
-                ahead: None,
-            };
+            let mut field = Field::of_level(&level, axes, 0);
             // On the line before a cell, along the minor axis.
             let row = axes[1].cells[0] + 1 + (k * 11 % 190) as i32;
             let advance = 0.5 + 0.5 * share(0.271) as f32;

@@ -204,6 +204,30 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
+    /// A resolution's ground for an eye at height 0 that sees no end of it: for tests.
+    #[cfg(test)]
+    pub(super) fn of_level(
+        level: &'a super::frame::Level<'a>,
+        [major, minor]: [Axis; 2],
+        major_axis: usize,
+    ) -> Self {
+        Self {
+            heights: &level.heights,
+            roofs: &level.roofs,
+            major,
+            minor,
+            major_axis,
+            eye_height: 0.0,
+            eye_rest: 0.0,
+            highest: 1e4,
+            rounding: 0.0,
+            scale: 1.0,
+            ground_rise: 0.5,
+            ends: [1e4; 2],
+            ahead: None,
+        }
+    }
+
     /// How fast rays and ground come together, about: metres for each 1 of t.
     #[inline(always)]
     pub(super) fn closing_rate<L: Lanes>(&self, l: L, slope: L::F) -> L::F {

@@ -285,24 +285,10 @@ mod tests {
                 Axis::new(eye, cells, sign)
             };
             let sign = |bit: usize| if k & bit == 0 { 1 } else { -1 };
-            check(
-                &Field {
-                    heights: &level.heights,
-                    roofs: &level.roofs,
-                    major: axis(major_axis, sign(2)),
-                    minor: axis(1 - major_axis, sign(4)),
-                    major_axis,
-                    eye_height: 7.0,
-                    eye_rest: 0.0,
-                    highest: 1e4,
-                    rounding: 0.0,
-                    scale: 1.0,
-                    ground_rise: 0.5,
-                    ends: [1e4; 2],
-                    ahead: None,
-                },
-                &ground,
-            );
+            let axes = [axis(major_axis, sign(2)), axis(1 - major_axis, sign(4))];
+            let mut field = Field::of_level(&level, axes, major_axis);
+            field.eye_height = 7.0;
+            check(&field, &ground);
         }
     }
 
