@@ -58,15 +58,19 @@ pub struct HeightPyramid {
 /// Cells along the longer side of the coarsest level, at most.
 const COARSEST: u32 = 16;
 
+/// The size of the level below one of so many posts, or `None` below the coarsest.
+pub(crate) fn coarser_size([cols, rows]: [u32; 2]) -> Option<[u32; 2]> {
+    (cols.max(rows) > COARSEST + 1).then(|| [half(cols), half(rows)])
+}
+
 impl HeightPyramid {
     /// Builds all levels over `heights`, which lie in `range` (metres), and whose tiles it shares.
     #[must_use]
     pub fn new(heights: &TiledRaster<f32>, range: [f32; 2]) -> Self {
         let mut levels = vec![heights.clone()];
         while let Some(finer) = levels.last()
-            && finer.cols().max(finer.rows()) > COARSEST + 1
+            && let Some([cols, rows]) = coarser_size([finer.cols(), finer.rows()])
         {
-            let (cols, rows) = (half(finer.cols()), half(finer.rows()));
             let coarser = TiledRaster::from_rows(cols, rows, sharp_means(finer, range));
             levels.push(coarser);
         }

@@ -140,7 +140,9 @@ pub struct SlabView<'a, T> {
     slab: &'a Slab<T>,
     /// The slots by their numbers in the slab, empty where they are not of the view.
     slots: Vec<&'a [T]>,
+    /// In the view's order: where they begin, and they themselves.
     bases: Vec<u32>,
+    ordered: Vec<&'a [T]>,
     /// ⌊(2⁶⁴ − 1) / a slot's length⌋.
     inverse: u64,
 }
@@ -152,12 +154,14 @@ impl<'a, T> SlabView<'a, T> {
             slab,
             slots: vec![&[]; slab.slots()],
             bases: Vec::new(),
+            ordered: Vec::new(),
             inverse: u64::MAX / slab.slot_len as u64,
         };
         for slot in slots {
             assert!(std::ptr::eq(&*slot.slab, slab), "a slot of this slab");
             view.slots[slot.index as usize] = slot;
             view.bases.push(slot.index * slab.slot_len as u32);
+            view.ordered.push(slot);
         }
         view
     }
@@ -166,6 +170,16 @@ impl<'a, T> SlabView<'a, T> {
     #[must_use]
     pub fn bases(&self) -> &[u32] {
         &self.bases
+    }
+
+    /// The items of the view's slot of a number.
+    ///
+    /// # Panics
+    /// Where there is no such slot.
+    #[inline]
+    #[must_use]
+    pub fn nth(&self, number: usize) -> &'a [T] {
+        self.ordered[number]
     }
 
     /// Where the slots of the view begin, if one begins where the one before it ends: then slot n
