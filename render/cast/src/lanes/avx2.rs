@@ -423,6 +423,10 @@ impl Lanes for Avx2 {
         on_halves!(_mm256_mullo_epi32, a, b)
     }
     #[inline(always)]
+    fn mul_halves(self, a: I, b: I) -> I {
+        on_halves!(_mm256_mullo_epi16, a, b)
+    }
+    #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
         on_halves!(_mm256_and_si256, a, b)
     }
@@ -457,6 +461,10 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn add_i_where(self, mask: M, a: I, b: I) -> I {
         self.add_i(a, self.and_i(b, mask))
+    }
+    #[inline(always)]
+    fn bits_of_float(self, number: F) -> I {
+        on_values!(number.map(|half| _mm256_castps_si256(half)))
     }
     #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
@@ -620,11 +628,10 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn among(self, table: [F; 2], at: I) -> F {
-        let as_ints = |group: F| on_values!(group.map(|half| _mm256_castps_si256(half)));
-        let [low, high] = table.map(|group| self.pick(as_ints(group), at));
+    fn among(self, table: [I; 2], at: I) -> I {
+        let [low, high] = table.map(|group| self.pick(group, at));
         let which = self.gt_i(self.and_i(at, self.splat_i(16)), self.splat_i(0));
-        self.float_of_bits(self.select_i(which, high, low))
+        self.select_i(which, high, low)
     }
 
     #[inline(always)]

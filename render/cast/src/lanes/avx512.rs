@@ -321,6 +321,10 @@ impl Lanes for Avx512 {
         on_values!(_mm512_mullo_epi32(a, b))
     }
     #[inline(always)]
+    fn mul_halves(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_mullo_epi16(a, b))
+    }
+    #[inline(always)]
     fn and_i(self, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_and_si512(a, b))
     }
@@ -355,6 +359,10 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn add_i_where(self, mask: __mmask16, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_mask_add_epi32(a, mask, a, b))
+    }
+    #[inline(always)]
+    fn bits_of_float(self, number: __m512) -> __m512i {
+        on_values!(_mm512_castps_si512(number))
     }
     #[inline(always)]
     fn float_of_bits(self, bits: __m512i) -> __m512 {
@@ -484,8 +492,8 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn among(self, [low, high]: [__m512; 2], at: __m512i) -> __m512 {
-        on_values!(_mm512_permutex2var_ps(low, at, high))
+    fn among(self, [low, high]: [__m512i; 2], at: __m512i) -> __m512i {
+        on_values!(_mm512_permutex2var_epi32(low, at, high))
     }
 
     #[inline(always)]

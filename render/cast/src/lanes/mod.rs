@@ -100,6 +100,8 @@ pub(crate) trait Lanes: Copy {
     fn sub_i(self, a: Self::I, b: Self::I) -> Self::I;
     /// The low 32 bits of each product.
     fn mul_i(self, a: Self::I, b: Self::I) -> Self::I;
+    /// The low 16 bits of the product of each 16 bits.
+    fn mul_halves(self, a: Self::I, b: Self::I) -> Self::I;
     fn and_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn min_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn max_i(self, a: Self::I, b: Self::I) -> Self::I;
@@ -113,6 +115,7 @@ pub(crate) trait Lanes: Copy {
     fn add_i_where(self, mask: Self::M, a: Self::I, b: Self::I) -> Self::I;
     /// The numbers of which these are the bits.
     fn float_of_bits(self, bits: Self::I) -> Self::F;
+    fn bits_of_float(self, number: Self::F) -> Self::I;
     fn to_float(self, a: Self::I) -> Self::F;
     /// Towards zero; any integer where it does not fit.
     fn to_int(self, a: Self::F) -> Self::I;
@@ -138,6 +141,27 @@ pub(crate) trait Lanes: Copy {
     /// Writes the lanes of `mask`, each to its own place; a place beyond the end to the last one.
     fn scatter(self, mask: Self::M, at: Self::I, value: Self::F, to: &mut [f32]);
 
+    /// Writes the lanes of `mask`, a pair of numbers each, to their own places of `to`, of which the
+    /// last one is scratch.
+    #[inline(always)]
+    fn scatter_pairs(self, mask: Self::M, at: Self::I, pairs: [Self::I; 2], to: &mut [[i32; 2]]) {
+        // Lanes of the first group and of the second, in turn.
+        const LOW: [i32; LANES] = [0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23];
+        const HIGH: [i32; LANES] = [8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31];
+        let last = to.len() - 1;
+        let at = self.select_i(mask, at, self.splat_i(last as i32));
+        let (mut places, mut numbers) = ([0; LANES], [0; 2 * LANES]);
+        self.store_i(at, &mut places);
+        let low = self.among(pairs, self.load_i(&LOW));
+        let high = self.among(pairs, self.load_i(&HIGH));
+        self.store_i(low, group_mut(&mut numbers, 0));
+        self.store_i(high, group_mut(&mut numbers, LANES));
+        let pairs: &[[i32; 2]; LANES] = bytemuck::cast_ref(&numbers);
+        for k in 0..LANES {
+            to[(places[k] as u32 as usize).min(last)] = pairs[k];
+        }
+    }
+
     /// The four posts of the cell at each lane's place (south-west, south-east, north-west,
     /// north-east), of which the northern ones are `stride` further on. Places are those of cells
     /// of the view's tiles; what else is read is any number. They are read one by one, so they are
@@ -149,7 +173,7 @@ pub(crate) trait Lanes: Copy {
     /// The lane of `table` that the last four bits of each lane name.
     fn pick(self, table: Self::I, at: Self::I) -> Self::I;
     /// The lane of two groups that the last five bits of each lane name.
-    fn among(self, table: [Self::F; 2], at: Self::I) -> Self::F;
+    fn among(self, table: [Self::I; 2], at: Self::I) -> Self::I;
     /// The entry of a table at each lane's place; beyond its end the last one.
     fn look_up(self, table: &[u32], at: Self::I) -> Self::I;
     /// As `cells`, of bytes.

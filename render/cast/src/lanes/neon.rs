@@ -360,6 +360,13 @@ impl Lanes for Neon {
         on_quarters!(vmulq_s32, a, b)
     }
     #[inline(always)]
+    fn mul_halves(self, a: I, b: I) -> I {
+        on_values!(std::array::from_fn(|k| {
+            let product = vmulq_s16(vreinterpretq_s16_s32(a[k]), vreinterpretq_s16_s32(b[k]));
+            vreinterpretq_s32_s16(product)
+        }))
+    }
+    #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
         on_quarters!(vandq_s32, a, b)
     }
@@ -396,6 +403,10 @@ impl Lanes for Neon {
     fn add_i_where(self, mask: M, a: I, b: I) -> I {
         let mask = on_quarters!(vreinterpretq_s32_u32, mask);
         self.add_i(a, self.and_i(b, mask))
+    }
+    #[inline(always)]
+    fn bits_of_float(self, number: F) -> I {
+        on_values!(number.map(|quarter| vreinterpretq_s32_f32(quarter)))
     }
     #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
@@ -553,13 +564,13 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn among(self, table: [F; 2], at: I) -> F {
-        let (mut numbers, mut lanes) = ([[0.0; LANES]; 2], [0; LANES]);
+    fn among(self, table: [I; 2], at: I) -> I {
+        let (mut numbers, mut lanes) = ([[0; LANES]; 2], [0; LANES]);
         for (numbers, group) in numbers.iter_mut().zip(table) {
-            self.store(group, numbers);
+            self.store_i(group, numbers);
         }
         self.store_i(at, &mut lanes);
-        self.load(&lanes.map(|lane| numbers[lane as usize / LANES % 2][lane as usize % LANES]))
+        self.load_i(&lanes.map(|lane| numbers[lane as usize / LANES % 2][lane as usize % LANES]))
     }
 
     #[inline(always)]

@@ -167,6 +167,14 @@ impl Lanes for Portable {
         map(i32::wrapping_mul, a, b)
     }
     #[inline(always)]
+    fn mul_halves(self, a: I, b: I) -> I {
+        let product = |a: i32, b: i32| {
+            let low = (a & 0xffff).wrapping_mul(b & 0xffff) & 0xffff;
+            low | (a >> 16).wrapping_mul(b >> 16) << 16
+        };
+        map(product, a, b)
+    }
+    #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
         map(|a, b| a & b, a, b)
     }
@@ -201,6 +209,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn add_i_where(self, mask: M, a: I, b: I) -> I {
         each(|k| a[k].wrapping_add(b[k] & mask[k] as i32))
+    }
+    #[inline(always)]
+    fn bits_of_float(self, number: F) -> I {
+        each(|k| number[k].to_bits() as i32)
     }
     #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
@@ -296,7 +308,7 @@ impl Lanes for Portable {
         each(|k| table[at[k] as usize % LANES])
     }
     #[inline(always)]
-    fn among(self, table: [F; 2], at: I) -> F {
+    fn among(self, table: [I; 2], at: I) -> I {
         each(|k| table[at[k] as usize / LANES % 2][at[k] as usize % LANES])
     }
     #[inline(always)]

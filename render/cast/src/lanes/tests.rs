@@ -277,6 +277,11 @@ each_isa! {
             assert_same_ints(l, "add_i", l.add_i(x, y), from_fn(|k| a[k].wrapping_add(b[k])));
             assert_same_ints(l, "sub_i", l.sub_i(x, y), from_fn(|k| a[k].wrapping_sub(b[k])));
             assert_same_ints(l, "mul_i", l.mul_i(x, y), from_fn(|k| a[k].wrapping_mul(b[k])));
+            let halves = |a: i32, b: i32| {
+                let product = |shift: i32| ((a >> shift) as u16).wrapping_mul((b >> shift) as u16);
+                i32::from(product(0)) | i32::from(product(16)) << 16
+            };
+            assert_same_ints(l, "mul_halves", l.mul_halves(x, y), from_fn(|k| halves(a[k], b[k])));
             assert_same_ints(l, "and_i", l.and_i(x, y), from_fn(|k| a[k] & b[k]));
             assert_same_ints(l, "min_i", l.min_i(x, y), from_fn(|k| a[k].min(b[k])));
             assert_same_ints(l, "max_i", l.max_i(x, y), from_fn(|k| a[k].max(b[k])));
@@ -356,6 +361,29 @@ each_isa! {
                 }
                 let bits = |numbers: &[f32]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&found), bits(&expected), "on {}", type_name::<L>());
+            }
+        }
+    }
+
+    fn pairs_of_lanes_are_scattered_to_their_places<L>(l) {
+        let mut random = Random::new();
+        for len in [1, 15, 16, 100] {
+            for _ in 0..GROUPS {
+                let bits = random.next() as u16;
+                let (a, b) = (random.lanes(Random::int), random.lanes(Random::int));
+                let at = random.lanes(|random| match random.below(9) {
+                    0 => random.int(),
+                    _ => random.below(len as u32) as i32,
+                });
+                let mut found = vec![[7; 2]; len];
+                let pairs = [l.load_i(&a), l.load_i(&b)];
+                l.scatter_pairs(l.mask(bits), l.load_i(&at), pairs, &mut found);
+                let mut expected = vec![[7; 2]; len];
+                for k in (0..LANES).filter(|&k| truths(bits)[k]) {
+                    expected[(at[k] as u32 as usize).min(len - 1)] = [a[k], b[k]];
+                }
+                // The last one is scratch.
+                assert_eq!(found[..len - 1], expected[..len - 1], "on {}", type_name::<L>());
             }
         }
     }
@@ -478,6 +506,7 @@ each_isa! {
             let numbers = random.lanes(Random::float);
             let bits = numbers.map(|number| number.to_bits() as i32);
             assert_same(l, "float_of_bits", l.float_of_bits(l.load_i(&bits)), numbers);
+            assert_same_ints(l, "bits_of_float", l.bits_of_float(l.load(&numbers)), bits);
         }
     }
 
@@ -507,12 +536,11 @@ each_isa! {
     fn lanes_are_picked_from_among_two_groups<L>(l) {
         let mut random = Random::new();
         for _ in 0..GROUPS {
-            let tables = [random.lanes(Random::float), random.lanes(Random::float)];
+            let tables = [random.lanes(Random::int), random.lanes(Random::int)];
             let at = random.lanes(Random::int);
-            let found = l.among(tables.each_ref().map(|table| l.load(table)), l.load_i(&at));
+            let found = l.among(tables.each_ref().map(|table| l.load_i(table)), l.load_i(&at));
             let expected = at.map(|at| tables[at as usize / LANES % 2][at as usize % LANES]);
-            let bits = |floats: [f32; LANES]| floats.map(f32::to_bits);
-            assert_eq!(bits(floats(l, found)), bits(expected), "{}", type_name::<L>());
+            assert_eq!(ints(l, found), expected, "{}", type_name::<L>());
         }
     }
 
