@@ -185,7 +185,7 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
         for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
             let at = (j * width + i) as usize;
             let (a, b) = (exact.depth[at], detail.depth[at]);
-            // A pixel that has the border in it may end on either side.
+            // A pixel that has the border in it may end on either side; it is longer than wide.
             let pixel = 2.0 * (0.5_f64).tan() / f64::from(width) * f64::from(a.min(b));
             let extent = scene.ground.grid().extent();
             let on_border = exact
@@ -193,7 +193,7 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
                 .or(detail.point(i, j))
                 .is_some_and(|point| {
                     let inside = point.truncate().min(extent - point.truncate());
-                    inside.min_element() < 0.6 * pixel
+                    inside.min_element() < 1.1 * pixel
                 });
             let same = a == b || (a - b).abs() < 2e-3 * a;
             let point = exact.point(i, j);
@@ -239,7 +239,8 @@ fn levels_change_by_halves() {
     let steps = contrasts.windows(2).map(|pair| pair[0] - pair[1]);
     let most = steps.fold(0.0, f64::max);
     println!("log2 of contrast falls by {all:.2}, at once by {most:.2}");
-    assert!(all > 0.8, "{all}");
+    // A photo finer than posts is seen as means of a post's width from there on.
+    assert!(all > 0.55, "{all}");
     assert!(most < 0.75 * all, "{most} of {all}");
 }
 
@@ -297,11 +298,22 @@ fn an_even_colour_stays_even() {
     let scene = Scene::new(mountains().with_photo(photo));
     let view = camera(DVec3::new(60.0, 20.0, 150.0), -0.4, [160, 120]);
     let image = cast(Planes::WITH_DETAIL, &scene, &[view]).remove(0);
-    let ground = image.colour().iter().zip(&image.depth);
-    let ground: Vec<_> = ground.filter(|(_, depth)| depth.is_finite()).collect();
-    assert!(ground.len() > 5000);
-    for (colour, _) in ground {
-        assert_eq!(colour, &[200, 100, 7, 255]);
+    // Pixels in the midst of ground: where it ends, they have their part of the sky.
+    let [width, height] = view.size;
+    let inside = (1..height - 1).flat_map(|j| (1..width - 1).map(move |i| [i, j]));
+    let is_inside = |&[i, j]: &[u32; 2]| {
+        (j - 1..=j + 1).all(|j| {
+            let row = (j * width + i) as usize;
+            image.depth[row - 1..=row + 1]
+                .iter()
+                .all(|depth| depth.is_finite())
+        })
+    };
+    let inside: Vec<_> = inside.filter(is_inside).collect();
+    assert!(inside.len() > 5000);
+    for [i, j] in inside {
+        let colour = image.colour()[(j * width + i) as usize];
+        assert_eq!(colour, [200, 100, 7, 255], "{i}, {j}");
     }
 }
 

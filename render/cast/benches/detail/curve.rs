@@ -10,17 +10,15 @@ use sandtable_cast::{CastPool, Image, PreparedScene};
 use sandtable_view::View;
 use std::sync::Arc;
 
-/// Values of the options `cell` and `blur`.
-const CELLS: [f64; 7] = [1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
-const BLURS: [f64; 2] = [1.4, 1.9];
+/// Values of the option `cell`.
+const CELLS: [f64; 7] = [0.7, 1.0, 1.2, 1.5, 2.0, 2.8, 4.0];
 
 /// What one frame in 60 Hz may take, in ms.
 pub(super) const FRAME: f64 = 16.6;
 
-/// One scene's line for one value of `blur`.
+/// One scene's line.
 pub(super) struct Curve {
     pub(super) scene: String,
-    pub(super) blur: f64,
     pub(super) points: Vec<Point>,
 }
 
@@ -34,8 +32,8 @@ pub(super) struct Point {
 
 /// One setting, measured.
 struct Measured {
-    /// Values of `cell` and `blur`; none without level of detail.
-    options: Option<[f64; 2]>,
+    /// The value of `cell`; none without level of detail.
+    cell: Option<f64>,
     psnr: f64,
     /// The median, the least, and the least of the default options that took turns with it.
     ms: f64,
@@ -43,7 +41,7 @@ struct Measured {
     usual: f64,
 }
 
-/// Finds and prints what both eyes at a table gain and take, as options are turned.
+/// Finds and prints what both eyes at a table gain and take, as cells grow.
 ///
 /// Each setting takes turns with the default one, as not all fit in memory at once. What the
 /// machine does otherwise differs from setting to setting, so times are compared by way of the
@@ -53,22 +51,22 @@ pub(super) fn print(
     [point, detail]: [&Arc<dyn PreparedScene>; 2],
     pool: &CastPool,
     rounds: usize,
-) -> Result<Vec<Curve>> {
+) -> Result<Option<Curve>> {
     let Some(eyes) = eyes(scene) else {
-        return Ok(Vec::new());
+        return Ok(None);
     };
     let truths = [
         truth(&**point, &eyes[0], pool)?,
         truth(&**point, &eyes[1], pool)?,
     ];
-    let measured = |options, caster: &Arc<dyn PreparedScene>| -> Result<Measured> {
+    let measured = |cell, caster: &Arc<dyn PreparedScene>| -> Result<Measured> {
         let entries = vec![
             cast(pool, detail, eyes.to_vec()),
             cast(pool, caster, eyes.to_vec()),
         ];
         let times = timed(rounds, entries)?;
         Ok(Measured {
-            options,
+            cell,
             psnr: psnr(caster, eyes, &truths, pool)?,
             ms: times[1][rounds / 2],
             least: times[1][0],
@@ -76,11 +74,9 @@ pub(super) fn print(
         })
     };
     let mut all = vec![measured(None, point)?];
-    for blur in BLURS {
-        for cell in CELLS {
-            let caster = prepared(scene, pool, &format!("{DETAIL}&cell={cell}&blur={blur}"))?;
-            all.push(measured(Some([cell, blur]), &caster)?);
-        }
+    for cell in CELLS {
+        let caster = prepared(scene, pool, &format!("{DETAIL}&cell={cell}"))?;
+        all.push(measured(Some(cell), &caster)?);
     }
     let usual = all.iter().map(|it| it.usual).fold(f64::INFINITY, f64::min);
     println!(
@@ -90,41 +86,31 @@ pub(super) fn print(
         pool.threads()
     );
     println!(
-        "{:<11} {:>5} {:>5} {:>7} {:>9} {:>9} {:>7} {:>9}  <= {FRAME} ms",
-        "scene", "cell", "blur", "dB", "ms", "least", "ratio", "level ms"
+        "{:<11} {:>5} {:>7} {:>9} {:>9} {:>7} {:>9}  <= {FRAME} ms",
+        "scene", "cell", "dB", "ms", "least", "ratio", "level ms"
     );
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut points = Vec::new();
     for it in &all {
         let ratio = it.least / it.usual;
         let ms = ratio * usual;
-        let [cell, blur] = match it.options {
-            Some(options) => options.map(|value| value.to_string()),
-            None => ["off".to_owned(), String::new()],
-        };
+        let cell = it.cell.map_or("off".to_owned(), |cell| cell.to_string());
         println!(
-            "{:<11} {cell:>5} {blur:>5} {:>7.2} {:>9.2} {:>9.2} {ratio:>7.2} {ms:>9.2}  {}",
+            "{:<11} {cell:>5} {:>7.2} {:>9.2} {:>9.2} {ratio:>7.2} {ms:>9.2}  {}",
             scene.name,
             it.psnr,
             it.ms,
             it.least,
             if ms <= FRAME { "yes" } else { "" }
         );
-        let Some([cell, blur]) = it.options else {
-            continue;
-        };
-        if curves.last().is_none_or(|curve| curve.blur != blur) {
-            curves.push(Curve {
-                scene: scene.name.clone(),
-                blur,
-                points: Vec::new(),
-            });
-        }
-        if let Some(curve) = curves.last_mut() {
+        if let Some(cell) = it.cell {
             let psnr = it.psnr;
-            curve.points.push(Point { cell, ms, psnr });
+            points.push(Point { cell, ms, psnr });
         }
     }
-    Ok(curves)
+    Ok(Some(Curve {
+        scene: scene.name.clone(),
+        points,
+    }))
 }
 
 /// The PSNR of both eyes' images as one.

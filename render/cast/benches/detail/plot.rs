@@ -9,8 +9,6 @@ const AROUND: [f64; 4] = [56.0, 40.0, 24.0, 48.0];
 
 /// Okabe and Ito's colours, which people with any colour vision tell apart; one a scene.
 const COLOURS: [&str; 5] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000"];
-/// How lines of each filter's width are drawn.
-const DASHES: [&str; 2] = ["5 4", "none"];
 
 /// An axis: from where to where it goes, in its own measure and in pixels.
 struct Axis {
@@ -55,7 +53,7 @@ impl Axis {
     }
 }
 
-/// Draws a line a scene and width of the filter, with a mark for each `cell`, as an SVG image.
+/// Draws a line a scene, with a mark for each `cell`, as an SVG image.
 pub(super) fn svg(curves: &[Curve]) -> String {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let [left, top, right, bottom] = AROUND;
@@ -94,20 +92,12 @@ pub(super) fn svg(curves: &[Curve]) -> String {
     svg += &text([8.0, top - 18.0], "PSNR, dB", "start", ink);
     let below = [middle, SIZE[1] - 10.0];
     svg += &text(below, "both eyes on two threads, ms", "middle", ink);
-    let mut scenes: Vec<&str> = Vec::new();
     for (place, curve) in curves.iter().enumerate() {
-        if !scenes.contains(&curve.scene.as_str()) {
-            scenes.push(&curve.scene);
-        }
-        let colour = COLOURS[(scenes.len() - 1) % COLOURS.len()];
-        let is_last_of_scene = curves
-            .get(place + 1)
-            .is_none_or(|next| next.scene != curve.scene);
-        let dashes = DASHES[usize::from(is_last_of_scene)];
+        let colour = COLOURS[place % COLOURS.len()];
         let at = |ms, psnr| [across.at(ms), up.at(psnr)];
         for pair in curve.points.windows(2) {
             let [from, to] = [0, 1].map(|end| at(pair[end].ms, pair[end].psnr));
-            svg += &line(from, to, colour, dashes);
+            svg += &line(from, to, colour, "none");
         }
         for point in &curve.points {
             let [x, y] = at(point.ms, point.psnr);
@@ -116,16 +106,13 @@ pub(super) fn svg(curves: &[Curve]) -> String {
                 svg,
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>"
             );
-            if is_last_of_scene {
-                let beside = [x + 5.0, y + 14.0];
-                svg += &text(beside, &point.cell.to_string(), "start", colour);
-            }
+            let beside = [x + 5.0, y + 14.0];
+            svg += &text(beside, &point.cell.to_string(), "start", colour);
         }
         let y = foot - 12.0 - 18.0 * (curves.len() - 1 - place) as f64;
         let x = SIZE[0] - right - 150.0;
-        svg += &line([x, y - 4.0], [x + 28.0, y - 4.0], colour, dashes);
-        let name = format!("{}, blur={}", curve.scene, curve.blur);
-        svg += &text([x + 36.0, y], &name, "start", ink);
+        svg += &line([x, y - 4.0], [x + 28.0, y - 4.0], colour, "none");
+        svg += &text([x + 36.0, y], &curve.scene, "start", ink);
     }
     svg + "</svg>\n"
 }

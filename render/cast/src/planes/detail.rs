@@ -9,15 +9,15 @@ use crate::lanes::LANES;
 use crate::options::{CasterOption, Options};
 use rayon::prelude::*;
 use sandtable_terrain::{
-    Ground, HeightPyramid, Mipmap, Photo, TileIndex, TiledRaster, hypsometric,
+    Drape, Ground, HeightPyramid, Mipmap, Photo, TileIndex, TiledRaster, hypsometric,
 };
 
 /// How detail is chosen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DetailOptions {
-    /// How many pixels a cell of heights is wide at most, where a coarser one would do.
+    /// How many pixels a cell is wide at most, where there is a finer one.
     cell: f64,
-    /// The width of the filter of colours in pixels.
+    /// The width of the filter of near ground's colours in pixels.
     blur: f64,
 }
 
@@ -29,20 +29,20 @@ impl DetailOptions {
     };
     pub(super) const CELL: CasterOption = CasterOption {
         name: "cell",
-        meaning: "with lod: pixels to a cell of heights at most, from 0.25 (finer) to 8 (faster); \
-                  default 2",
+        meaning: "with lod: pixels to a cell of heights and colours at most, from 0.25 (finer) to \
+                  8 (faster); default 1.5",
     };
     pub(super) const BLUR: CasterOption = CasterOption {
         name: "blur",
-        meaning: "with lod: width of the filter of colours in pixels, from 0.25 (sharper; 1.4 is \
-                  nearest to the truth in a single picture) to 4 (calmer); default 1.9, as calm as \
-                  the truth in a flight",
+        meaning: "with lod: width of the filter of near ground's colours in pixels, from 0.25 \
+                  (sharper; 1.4 is nearest to the truth in a single picture) to 4 (calmer); default \
+                  1.9",
     };
 
     pub(super) fn read(options: &Options<'_>) -> Result<Option<Self>, CastError> {
         let on = options.choice("lod", &[("off", false), ("on", true)])?;
         let read = Self {
-            cell: options.number("cell", 0.25..=8.0)?.unwrap_or(2.0),
+            cell: options.number("cell", 0.25..=8.0)?.unwrap_or(1.5),
             blur: options.number("blur", 0.25..=4.0)?.unwrap_or(1.9),
         };
         Ok(on.then_some(read))
@@ -55,6 +55,9 @@ pub(super) struct Detail {
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
     bounds: Vec<(Roofs, Steepness)>,
+    /// Colours of far ground.
+    drape: Drape,
+    /// Colours of near ground.
     photo: Option<Texture>,
     /// Tints in shaded relief, a pixel a post, where the photo does not cover all ground.
     tints: Option<Texture>,
@@ -109,6 +112,7 @@ impl Detail {
                 .map(|heights| (Roofs::new(heights), Steepness::new(heights)))
                 .collect(),
             heights,
+            drape: Drape::new(ground),
             photo: ground.photo().map(|photo| Texture::of_photo(photo, ground)),
             tints: tint_of(ground).map(|tint| {
                 let grid = ground.grid();
@@ -148,6 +152,7 @@ impl Detail {
                 })
                 .collect(),
             heights,
+            drape: self.drape.updated(before, ground, changed),
             photo: self.photo.clone(),
             tints: self.tints.as_ref().map(|old| {
                 let image = match tint_of(ground) {
@@ -162,10 +167,16 @@ impl Detail {
         }
     }
 
-    /// The ground's coarser levels.
-    pub(super) fn coarser(&self) -> impl Iterator<Item = Level<'_>> {
-        let levels = self.heights.levels()[1..].iter().zip(&self.bounds);
-        levels.map(|(heights, (roofs, steepness))| Level::new(heights, roofs, steepness))
+    /// The ground's levels, from its `finest` one on.
+    pub(super) fn levels<'a>(&'a self, finest: Level<'a>) -> Vec<Level<'a>> {
+        let coarser = self.heights.levels()[1..].iter().zip(&self.bounds);
+        let coarser =
+            coarser.map(|(heights, (roofs, steepness))| Level::new(heights, roofs, steepness));
+        std::iter::once(finest)
+            .chain(coarser)
+            .zip(self.drape.levels())
+            .map(|(level, colours)| level.with_colours(colours))
+            .collect()
     }
 
     pub(super) fn frame(&self) -> DetailFrame<'_> {
@@ -186,9 +197,9 @@ impl Detail {
 
 /// What one view needs of it.
 pub(super) struct DetailFrame<'a> {
-    /// Pixels to a cell of heights, at most.
+    /// Pixels to a cell, at most.
     pub(super) cell: f32,
-    /// The width of the filter of colours in pixels.
+    /// The width of the filter of near ground's colours in pixels.
     pub(super) blur: f32,
     pub(super) photo: Option<TextureFrame<'a>>,
     pub(super) tints: Option<TextureFrame<'a>>,

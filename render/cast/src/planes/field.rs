@@ -40,6 +40,12 @@ impl<'a, T> Tiles<'a, T> {
         self.begin(l, number)
     }
 
+    /// The tile of a number along x and along y.
+    #[inline(always)]
+    pub(super) fn items_of(&self, x: i32, y: i32) -> &'a [T] {
+        self.items.nth((y * self.across + x) as usize)
+    }
+
     /// Where the tile begins that has a number along x and along y.
     pub(super) fn tile(&self, x: i32, y: i32) -> u32 {
         self.items.bases()[(y * self.across + x) as usize]
@@ -181,6 +187,8 @@ impl Axis {
 pub(super) struct Field<'a> {
     pub(super) heights: &'a Tiles<'a, f32>,
     pub(super) roofs: &'a Tiles<'a, Roof>,
+    /// A colour a post, where detail is chosen.
+    pub(super) colours: Option<&'a Tiles<'a, [u8; 4]>>,
     /// The axis along which rays advance by 1 cell for each 1 of their parameter, and the other.
     pub(super) major: Axis,
     pub(super) minor: Axis,
@@ -214,6 +222,7 @@ impl<'a> Field<'a> {
         Self {
             heights: &level.heights,
             roofs: &level.roofs,
+            colours: level.colours.as_ref(),
             major,
             minor,
             major_axis,

@@ -18,6 +18,8 @@ const SMALL: i32 = 1 << 18;
 pub(super) struct Level<'a> {
     pub(super) heights: Tiles<'a, f32>,
     pub(super) roofs: Tiles<'a, Roof>,
+    /// A colour a post, where detail is chosen.
+    pub(super) colours: Option<Tiles<'a, [u8; 4]>>,
     /// Cells along x and y.
     pub(super) cells: [i32; 2],
     /// How steep it is at most along x and y: metres for each of its cells.
@@ -38,8 +40,19 @@ impl<'a> Level<'a> {
                 heights.tile_stride(),
             ),
             roofs: Tiles::new(roofs.view(), heights.tiles_across(), 0),
+            colours: None,
             cells: [heights.cols() as i32 - 1, heights.rows() as i32 - 1],
         }
+    }
+
+    /// The same with a colour a post.
+    pub(super) fn with_colours(mut self, colours: &'a TiledRaster<[u8; 4]>) -> Self {
+        self.colours = Some(Tiles::new(
+            colours.view(),
+            colours.tiles_across(),
+            colours.tile_stride(),
+        ));
+        self
     }
 
     /// Whether it is too large, with its colours, for a core's own caches.

@@ -187,10 +187,11 @@ impl UnitCaster for PlanesScene {
             per_metre,
             view.size,
         );
-        let mut levels = vec![Level::new(ground.heights(), &self.roofs, &self.steepness)];
-        if let Some(detail) = &self.detail {
-            levels.extend(detail.coarser());
-        }
+        let finest = Level::new(ground.heights(), &self.roofs, &self.steepness);
+        let levels = match &self.detail {
+            Some(detail) => detail.levels(finest),
+            None => vec![finest],
+        };
         Ok(Frame {
             isa: self.isa,
             levels,

@@ -1,9 +1,10 @@
-//! Profiles of the ground along vertical planes: its heights where planes cross lines of posts.
+//! Profiles of the ground along vertical planes: its heights and colours where planes cross lines of
+//! posts.
 
-use super::field::{Axis, Field};
+use super::field::{Axis, Field, Tiles};
 use super::roofs::LEVEL_BEGIN;
 use super::walk::corners;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, group};
 
 /// Sixteen neighbouring vertical planes through the eye.
 pub(super) struct PlaneGroup<L: Lanes> {
@@ -11,9 +12,21 @@ pub(super) struct PlaneGroup<L: Lanes> {
     pub(super) advance: L::F,
     /// Of the first and the last plane.
     pub(super) outer: [f32; 2],
+    /// How many cells aside they go until the line for whose memory they ask.
+    drift: i32,
 }
 
 impl<L: Lanes> PlaneGroup<L> {
+    #[inline(always)]
+    pub(super) fn new(l: L, advance: &[f32; LANES]) -> Self {
+        let outer = [advance[0], advance[LANES - 1]];
+        Self {
+            advance: l.load(advance),
+            outer,
+            drift: (0.5 * (outer[0] + outer[1]) * ROWS_AHEAD as f32) as i32,
+        }
+    }
+
     /// From which to which mirrored cell of the minor axis they reach, up to where they come in `t`
     /// cells from where they are in `from` cells.
     #[inline(always)]
@@ -71,19 +84,34 @@ pub(super) fn ceiling<L: Lanes>(
     Some(most - field.eye_height + field.rounding)
 }
 
-/// Neighbouring posts of one line.
-struct Posts<L: Lanes> {
-    posts: [L::F; 2],
-    /// What to take a mirrored line's number from for its place among them, or to take from that.
+/// A mirrored line of posts, and where planes cross it.
+pub(super) struct Crossing<L: Lanes> {
+    line: i32,
+    /// The mirrored cells of the minor axis in which planes cross it, and how far into them.
+    cell: L::I,
+    share: L::F,
+    /// What to take a cell's number from for the place of its near post in the window, or to take
+    /// from that.
     from: i32,
-    sign: i32,
+    /// Where the posts around them lie, if they are few enough and in one tile.
+    window: Option<Window>,
+}
+
+/// Neighbouring posts of one line, as many as there is [`ROOM`] for.
+#[derive(Clone, Copy)]
+struct Window {
+    /// The line's and the first post's number along the ground's axes.
+    major: i32,
+    minor: i32,
+    /// How many posts count.
+    count: i32,
 }
 
 /// Posts that are read at once.
 const ROOM: i32 = 2 * LANES as i32;
 
 /// How many lines of posts ahead memory is asked for, where lines are rows.
-const ROWS_AHEAD: i32 = 8;
+const ROWS_AHEAD: i32 = 6;
 
 /// The same where they are columns: as many as there are in a line of the processor's cache.
 const COLUMNS_AHEAD: i32 = 16;
@@ -96,6 +124,11 @@ impl Axis {
         } else {
             self.base + 1 - line
         }
+    }
+
+    /// The number of the ground's last post.
+    fn last_post(&self) -> i32 {
+        self.cells[1] - self.cells[0] + 1
     }
 
     /// Whether at a mirrored line blocks begin that planes may pass.
@@ -119,135 +152,320 @@ impl Axis {
     }
 }
 
-/// The ground's heights over the eye, in metres, where planes cross the mirrored line `line` of
-/// posts, which is `t` cells of this resolution away along the major axis. Beside the ground its
-/// outermost cells' slopes go on.
-#[inline(always)]
-pub(super) fn heights<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    planes: &PlaneGroup<L>,
-    line: i32,
-    t: f32,
-) -> L::F {
-    let line = line.max(field.major.cells[0]).min(field.major.cells[1] + 1);
-    let along = l.mul(planes.advance, l.splat(t));
-    let cell = field.minor.cell(l, along);
-    let share = l.sub(
-        l.add(along, l.splat(field.minor.fraction)),
-        l.to_float(cell),
-    );
-    let cells = planes.cells(field, [t; 2]);
-    let [near, far] = match posts(l, field, line, cells) {
-        Some(Posts { posts, from, sign }) => {
-            let from = l.splat_i(from);
-            let (at, next) = if sign > 0 {
-                (l.sub_i(cell, from), l.splat_i(1))
+impl<L: Lanes> Crossing<L> {
+    /// Where planes cross the mirrored line `line`.
+    #[inline(always)]
+    pub(super) fn new(l: L, field: &Field<'_>, planes: &PlaneGroup<L>, line: i32) -> Self {
+        let t = line as f32 - field.major.fraction;
+        let line = line.max(field.major.cells[0]).min(field.major.cells[1] + 1);
+        let along = l.mul(planes.advance, l.splat(t));
+        let cell = field.minor.cell(l, along);
+        let share = l.sub(
+            l.add(along, l.splat(field.minor.fraction)),
+            l.to_float(cell),
+        );
+        let cells = planes.cells(field, [t; 2]);
+        Self {
+            line,
+            cell,
+            share,
+            from: if field.minor.sign > 0 {
+                cells[0]
             } else {
-                (l.sub_i(from, cell), l.splat_i(-1))
-            };
-            [l.among(posts, at), l.among(posts, l.add_i(at, next))]
+                cells[1] + 1
+            },
+            window: Window::around(field, line, cells),
         }
-        None => apart(l, field, line, cell),
-    };
-    let height = l.add(near, l.mul(l.sub(far, near), share));
-    l.sub(height, l.splat(field.eye_height))
-}
-
-/// The posts of a line that mirrored cells from the first to the last of `cells` have, where they
-/// lie in one tile and are few enough.
-#[inline(always)]
-fn posts<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    line: i32,
-    [first, last]: [i32; 2],
-) -> Option<Posts<L>> {
-    let minor = &field.minor;
-    let begin = minor.post(first).min(minor.post(last + 1));
-    let count = last - first + 2;
-    let within = begin & 255;
-    if count > ROOM || within + count > 257 {
-        return None;
     }
-    let major_post = field.major.post(line);
-    // The last post of an axis belongs to the cell before it.
-    let major_cells = field.major.cells[1] - field.major.cells[0];
-    let major_tile = major_post.min(major_cells) >> 8;
-    let major_within = major_post - (major_tile << 8);
-    let heights = field.heights;
-    let stride = heights.stride as usize;
-    let is_column = field.major_axis == 0;
-    let (tile, place) = if is_column {
-        (
-            heights.tile(major_tile, begin >> 8),
-            within as usize * stride + major_within as usize,
-        )
-    } else {
-        (
-            heights.tile(begin >> 8, major_tile),
-            major_within as usize * stride + within as usize,
-        )
-    };
-    let place = tile + place as u32;
-    if field.ahead.is_some() {
-        let towards = field.major.sign;
-        let (places, further) = if is_column {
-            // A third of the lines that the next sixteen columns lie in.
-            let row = 3 * (line & 7);
-            let places = [0, 1, 2, 2].map(|k| (row + k).min(count) as u32 * stride as u32 + place);
-            (places, towards * COLUMNS_AHEAD)
-        } else {
-            let places = [0, 15, 31, 31].map(|k: u32| place + k);
-            (places, towards * ROWS_AHEAD * stride as i32)
-        };
-        let places = std::array::from_fn(|k| places[k / 4] as i32);
-        l.prefetch::<_, 4>(&heights.items, &places, further);
-    }
-    let items = heights.items.from_place(place);
-    let posts = if is_column {
-        if items.len() <= (ROOM as usize - 1) * stride {
-            return None;
-        }
-        let half = |from: usize| l.load(&std::array::from_fn(|k| items[(from + k) * stride]));
-        let high = if count > LANES as i32 {
-            half(LANES)
-        } else {
-            l.splat(0.0)
-        };
-        [half(0), high]
-    } else {
-        let (low, rest) = items.split_first_chunk::<LANES>()?;
-        [l.load(low), l.load(rest.first_chunk::<LANES>()?)]
-    };
-    Some(Posts {
-        posts,
-        from: if minor.sign > 0 { first } else { last + 1 },
-        sign: minor.sign,
-    })
-}
 
-/// The near and the far posts of a line around planes, wherever they lie.
-#[inline(always)]
-fn apart<L: Lanes>(l: L, field: &Field<'_>, line: i32, minor: L::I) -> [L::F; 2] {
-    l.vectorize(
-        #[inline(always)]
-        || {
-            // A line's posts are the near ones of the cell behind it; the last one's the far ones
-            // of the last cell.
-            let last = field.major.cells[1];
-            let place = field.place(l, [l.splat_i(line.min(last)), minor]);
-            let mut places = [0; LANES];
-            l.store_i(place, &mut places);
-            let posts = l.cells(&field.heights.items, &places, field.heights.stride);
-            let [near, far_major, far_minor, both] = corners::<L>(field, posts);
-            if line > last {
-                [far_major, both]
-            } else {
-                [near, far_minor]
+    /// The ground's heights over the eye, in metres. Beside the ground its outermost cells' slopes
+    /// go on.
+    #[inline(always)]
+    pub(super) fn heights(&self, l: L, field: &Field<'_>, planes: &PlaneGroup<L>) -> L::F {
+        let posts = match &self.window {
+            Some(window) => window.read(l, field, planes, field.heights),
+            None => None,
+        };
+        let [near, far] = match posts {
+            Some(posts) => {
+                let [near, far] = self.around(l, field, posts);
+                [l.float_of_bits(near), l.float_of_bits(far)]
             }
-        },
-    )
+            None => self.heights_apart(l, field),
+        };
+        let height = l.add(near, l.mul(l.sub(far, near), self.share));
+        l.sub(height, l.splat(field.eye_height))
+    }
+
+    /// The ground's colours, beside the ground those of its border: red and blue, green and alpha,
+    /// in 16 bits each.
+    #[inline(always)]
+    pub(super) fn colours(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        colours: &Tiles<'_, [u8; 4]>,
+    ) -> [L::I; 2] {
+        let posts = match &self.window {
+            Some(window) => window.read(l, field, planes, colours),
+            None => None,
+        };
+        let Some(posts) = posts else {
+            return halves(l, self.colours_apart(l, field, colours));
+        };
+        let [near, far] = self.around(l, field, posts);
+        let share = l.mul(self.share, l.splat(256.0));
+        let share = l.to_int(l.max(l.min(share, l.splat(256.0)), l.splat(0.0)));
+        lerp(l, halves(l, near), halves(l, far), share)
+    }
+
+    /// The near and the far posts around planes, among those of the window.
+    #[inline(always)]
+    fn around(&self, l: L, field: &Field<'_>, posts: [L::I; 2]) -> [L::I; 2] {
+        let from = l.splat_i(self.from);
+        let (at, next) = if field.minor.sign > 0 {
+            (l.sub_i(self.cell, from), l.splat_i(1))
+        } else {
+            (l.sub_i(from, self.cell), l.splat_i(-1))
+        };
+        [l.among(posts, at), l.among(posts, l.add_i(at, next))]
+    }
+
+    /// The near and the far posts around planes, wherever they lie.
+    #[inline(always)]
+    fn heights_apart(&self, l: L, field: &Field<'_>) -> [L::F; 2] {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                // A line's posts are the near ones of the cell behind it; the last one's the far
+                // ones of the last cell.
+                let last = field.major.cells[1];
+                let place = field.place(l, [l.splat_i(self.line.min(last)), self.cell]);
+                let mut places = [0; LANES];
+                l.store_i(place, &mut places);
+                let posts = l.cells(&field.heights.items, &places, field.heights.stride);
+                let [near, far_major, far_minor, both] = corners::<L>(field, posts);
+                if self.line > last {
+                    [far_major, both]
+                } else {
+                    [near, far_minor]
+                }
+            },
+        )
+    }
+
+    /// Colours, wherever their posts lie.
+    #[inline(always)]
+    fn colours_apart(&self, l: L, field: &Field<'_>, colours: &Tiles<'_, [u8; 4]>) -> L::I {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let last = field.major.cells[1];
+                let [x, y] = field.cells(l, l.splat_i(self.line.min(last)), self.cell);
+                let mut places = [0; LANES];
+                l.store_i(colours.place(l, x, y), &mut places);
+                let (zero, one) = (l.splat(0.0), l.splat(1.0));
+                let is_high = (self.line > last) == (field.major.sign > 0);
+                let major = if is_high { one } else { zero };
+                let minor = l.max(l.min(self.share, one), zero);
+                let minor = if field.minor.sign > 0 {
+                    minor
+                } else {
+                    l.sub(one, minor)
+                };
+                let [east, north] = if field.major_axis == 0 {
+                    [major, minor]
+                } else {
+                    [minor, major]
+                };
+                l.texels(&colours.items, &places, colours.stride, east, north)
+            },
+        )
+    }
+}
+
+/// The bytes 0 and 2 of each lane, and 1 and 3, in 16 bits each.
+#[inline(always)]
+pub(super) fn halves<L: Lanes>(l: L, colours: L::I) -> [L::I; 2] {
+    let mask = l.splat_i(0x00ff_00ff);
+    [
+        l.and_i(colours, mask),
+        l.and_i(l.shr_i(colours, l.splat_i(8)), mask),
+    ]
+}
+
+/// A number below 2¹⁶ in both halves of each lane.
+#[inline(always)]
+pub(super) fn twice<L: Lanes>(l: L, number: L::I) -> L::I {
+    l.add_i(number, l.shl_i(number, l.splat_i(16)))
+}
+
+/// Colours in [`halves`] between two, of which the second one has `share` of 256 parts.
+#[inline(always)]
+pub(super) fn lerp<L: Lanes>(l: L, a: [L::I; 2], b: [L::I; 2], share: L::I) -> [L::I; 2] {
+    let rest = twice(l, l.sub_i(l.splat_i(256), share));
+    let share = twice(l, share);
+    [
+        mean(l, [a[0], b[0]], [rest, share]),
+        mean(l, [a[1], b[1]], [rest, share]),
+    ]
+}
+
+/// Of two numbers in halves, with weights in halves that are 256 in all.
+#[inline(always)]
+fn mean<L: Lanes>(l: L, numbers: [L::I; 2], weights: [L::I; 2]) -> L::I {
+    let sum = l.add_i(
+        l.mul_halves(numbers[0], weights[0]),
+        l.mul_halves(numbers[1], weights[1]),
+    );
+    upper_bytes(l, sum)
+}
+
+/// Numbers in halves, divided by 256 and rounded.
+#[inline(always)]
+pub(super) fn upper_bytes<L: Lanes>(l: L, numbers: L::I) -> L::I {
+    let rounded = l.add_i(numbers, l.splat_i(0x0080_0080));
+    l.and_i(l.shr_i(rounded, l.splat_i(8)), l.splat_i(0x00ff_00ff))
+}
+
+impl Window {
+    /// The posts of a mirrored line that mirrored cells from the first to the last of `cells` have.
+    #[inline(always)]
+    fn around(field: &Field<'_>, line: i32, [first, last]: [i32; 2]) -> Option<Self> {
+        let minor = &field.minor;
+        let count = last - first + 2;
+        (count <= ROOM).then(|| Self {
+            major: field.major.post(line),
+            minor: minor.post(first).min(minor.post(last + 1)),
+            count,
+        })
+    }
+
+    /// The posts' numbers in a raster on the field's grid; `None` where there is no room behind
+    /// them to read as many. Asks for the memory of those that `planes` cross some lines later.
+    #[inline(always)]
+    fn read<L: Lanes, T: bytemuck::Pod>(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        tiles: &Tiles<'_, T>,
+    ) -> Option<[L::I; 2]> {
+        if field.major_axis == 0 {
+            self.read_column(l, field, tiles)
+        } else {
+            self.read_row(l, field, planes, tiles)
+        }
+    }
+
+    #[inline(always)]
+    fn read_row<L: Lanes, T: bytemuck::Pod>(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        tiles: &Tiles<'_, T>,
+    ) -> Option<[L::I; 2]> {
+        // The last post of an axis belongs to the cell before it.
+        let tile = [
+            self.minor >> 8,
+            self.major.min(field.major.last_post() - 1) >> 8,
+        ];
+        let row = (self.major - (tile[1] << 8)) as usize * tiles.stride as usize;
+        let aside = self.minor & 255;
+        // Posts of this tile, of which the last one is the next tile's first.
+        let left = 256 - aside;
+        let crosses = self.count > left + 1;
+        let within = row + aside as usize;
+        if field.ahead.is_some() {
+            let further = field.major.sign * ROWS_AHEAD * tiles.stride as i32
+                + field.minor.sign * planes.drift;
+            let begin = tiles.tile(tile[0], tile[1]) as i32 + within as i32;
+            let behind = if crosses {
+                tiles.tile(tile[0] + 1, tile[1]) as i32 + row as i32
+            } else {
+                begin + ROOM - 1
+            };
+            let (a, b, c) = (begin, begin + 15, behind);
+            let places = [a, a, a, a, b, b, b, b, c, c, c, c, c, c, c, c];
+            l.prefetch::<_, 4>(&tiles.items, &places, further);
+        }
+        let posts = line(l, tiles.items_of(tile[0], tile[1]), within)?;
+        if !crosses {
+            return Some(posts);
+        }
+        let within = row.checked_sub(left as usize)?;
+        let next = line(l, tiles.items_of(tile[0] + 1, tile[1]), within)?;
+        let numbers = l.load_i(&NUMBERS);
+        let left = l.splat_i(left);
+        let is_low = l.gt_i(left, numbers);
+        let is_high = l.gt_i(left, l.add_i(numbers, l.splat_i(LANES as i32)));
+        Some([
+            l.select_i(is_low, posts[0], next[0]),
+            l.select_i(is_high, posts[1], next[1]),
+        ])
+    }
+
+    #[inline(always)]
+    fn read_column<L: Lanes, T: bytemuck::Pod>(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        tiles: &Tiles<'_, T>,
+    ) -> Option<[L::I; 2]> {
+        let stride = tiles.stride as usize;
+        // The last post of an axis belongs to the cell before it.
+        let tile = self.major.min(field.major.last_post() - 1) >> 8;
+        let along = (self.major - (tile << 8)) as u32;
+        let aside = self.minor & 255;
+        let place = tiles.tile(tile, self.minor >> 8) + aside as u32 * tiles.stride + along;
+        if field.ahead.is_some() {
+            // A third of the lines that the next sixteen columns lie in.
+            let row = 3 * (along as i32 & 7);
+            let row = |k: i32| ((row + k).min(self.count) as u32 * tiles.stride + place) as i32;
+            let (a, b, c) = (row(0), row(1), row(2));
+            let places = [a, a, a, a, b, b, b, b, c, c, c, c, c, c, c, c];
+            l.prefetch::<_, 4>(&tiles.items, &places, field.major.sign * COLUMNS_AHEAD);
+        }
+        let items: &[i32] = bytemuck::cast_slice(tiles.items.from_place(place));
+        let mut posts = [0; ROOM as usize];
+        let left = 256 - aside;
+        if self.count <= left + 1 && items.len() > (ROOM as usize - 1) * stride {
+            for k in 0..LANES {
+                posts[k] = items[k * stride];
+            }
+            if self.count > LANES as i32 {
+                for k in LANES..ROOM as usize {
+                    posts[k] = items[k * stride];
+                }
+            }
+        } else {
+            let here = self.count.min(left + 1) as usize;
+            for (post, &item) in posts[..here].iter_mut().zip(items.iter().step_by(stride)) {
+                *post = item;
+            }
+            if here < self.count as usize {
+                let place = tiles.tile(tile, (self.minor >> 8) + 1) + along;
+                let items: &[i32] = bytemuck::cast_slice(tiles.items.from_place(place));
+                let posts = &mut posts[left as usize..self.count as usize];
+                for (post, &item) in posts.iter_mut().zip(items.iter().step_by(stride)) {
+                    *post = item;
+                }
+            }
+        }
+        Some([l.load_i(group(&posts, 0)), l.load_i(group(&posts, LANES))])
+    }
+}
+
+const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// The numbers in a tile from a place on, as many as there is [`ROOM`] for.
+#[inline(always)]
+fn line<L: Lanes, T: bytemuck::Pod>(l: L, tile: &[T], from: usize) -> Option<[L::I; 2]> {
+    let posts: &[T; ROOM as usize] = tile.get(from..)?.first_chunk()?;
+    let posts: &[i32] = bytemuck::cast_slice(posts);
+    Some([l.load_i(group(posts, 0)), l.load_i(group(posts, LANES))])
 }
 
 #[cfg(test)]
@@ -259,11 +477,12 @@ mod tests {
     use crate::planes::roofs::Roofs;
     use crate::planes::steepness::Steepness;
     use glam::DVec2;
-    use sandtable_terrain::Ground;
+    use sandtable_terrain::{Ground, TiledRaster};
 
-    /// Rough ground of more tiles than one, and an eye beside it; the sign of its rays along either
-    /// axis, and which of the ground's axes is the major one, for each way that there is.
-    fn each_field(check: impl Fn(&Field<'_>, &Ground)) {
+    /// Rough ground of more tiles than one with its colours, and an eye beside it; the sign of its
+    /// rays along either axis, and which of the ground's axes the major one is, for each way that
+    /// there is.
+    fn each_field(check: impl Fn(&Field<'_>, &Ground, &TiledRaster<[u8; 4]>)) {
         let height = |col: u32, row: u32| {
             let rough = ((col * 37 + row * 91) % 113) as f32;
             60.0 + 0.02 * rough
@@ -271,8 +490,13 @@ mod tests {
                 + 20.0 * (0.03 * row as f32).cos()
         };
         let ground = Ground::from_fn(600, 540, DVec2::ONE, height).expect("a sound grid");
+        let colours = TiledRaster::from_fn(600, 540, |col, row| {
+            let code = |k: u32| ((col * (31 + k) + row * (17 + 3 * k)) % 251) as u8;
+            [code(0), code(1), code(2), 255]
+        });
         let roofs = Roofs::new(ground.heights());
-        let level = Level::new(ground.heights(), &roofs, &Steepness::new(ground.heights()));
+        let steepness = Steepness::new(ground.heights());
+        let level = Level::new(ground.heights(), &roofs, &steepness).with_colours(&colours);
         for k in 0..8 {
             let major_axis = k & 1;
             let axis = |axis: usize, sign: i32| {
@@ -288,53 +512,71 @@ mod tests {
             let axes = [axis(major_axis, sign(2)), axis(1 - major_axis, sign(4))];
             let mut field = Field::of_level(&level, axes, major_axis);
             field.eye_height = 7.0;
-            check(&field, &ground);
+            // Memory is asked for as it is of large grounds.
+            field.ahead = (k & 2 == 0).then_some(0);
+            check(&field, &ground, &colours);
         }
     }
 
     /// Planes from one that advances by `first` on, each by `more` more.
     fn planes(first: f32, more: f32) -> PlaneGroup<Portable> {
-        let advance = std::array::from_fn(|k| first + more * k as f32);
-        PlaneGroup {
-            advance,
-            outer: [advance[0], advance[LANES - 1]],
-        }
+        PlaneGroup::new(Portable, &std::array::from_fn(|k| first + more * k as f32))
     }
 
     /// Close together and far apart, inside of tiles and across their borders.
     const GROUPS: [[f32; 2]; 4] = [[0.3, 1e-4], [0.9, -0.004], [0.05, 0.02], [0.0, 0.06]];
 
-    fn ground_height(field: &Field<'_>, ground: &Ground, major: f64, minor: f64) -> Option<f64> {
+    /// Where on the ground a place of a field lies.
+    fn place(field: &Field<'_>, major: f64, minor: f64) -> [f64; 2] {
         let along = |axis: &Axis, at: f64| {
             // Line 0 lies `fraction` before the eye.
             let lines = at + f64::from(axis.fraction);
             f64::from(axis.post(0)) + f64::from(axis.sign) * lines
         };
         let (major, minor) = (along(&field.major, major), along(&field.minor, minor));
-        let (x, y) = if field.major_axis == 0 {
-            (major, minor)
+        if field.major_axis == 0 {
+            [major, minor]
         } else {
-            (minor, major)
-        };
+            [minor, major]
+        }
+    }
+
+    fn ground_height(field: &Field<'_>, ground: &Ground, major: f64, minor: f64) -> Option<f64> {
+        let [x, y] = place(field, major, minor);
         ground.height_at(x, y)
     }
 
     #[test]
     fn profiles_are_the_grounds() {
-        each_field(|field, ground| {
+        each_field(|field, ground, colours| {
             for [first, more] in GROUPS {
                 let planes = planes(first, more);
                 let mut found = 0;
                 for line in field.major.cells[0]..=field.major.cells[1] + 1 {
                     let t = line as f32 - field.major.fraction;
-                    let heights = heights(Portable, field, &planes, line, t);
-                    for (height, advance) in heights.iter().zip(planes.advance) {
-                        let aside = f64::from(advance) * f64::from(t);
-                        let Some(truth) = ground_height(field, ground, f64::from(t), aside) else {
+                    let crossing = Crossing::new(Portable, field, &planes, line);
+                    let heights = crossing.heights(Portable, field, &planes);
+                    let tiles = field.colours.expect("they were given");
+                    let halves = crossing.colours(Portable, field, &planes, tiles);
+                    for (k, (height, advance)) in heights.iter().zip(planes.advance).enumerate() {
+                        let (t, aside) = (f64::from(t), f64::from(advance) * f64::from(t));
+                        let Some(truth) = ground_height(field, ground, t, aside) else {
                             continue;
                         };
                         let height = f64::from(height + field.eye_height);
                         assert!((height - truth).abs() < 0.05, "{height} and {truth} at {t}");
+                        let [x, y] = place(field, t, aside);
+                        let ([col, row], [u, v]) = colours.locate(x, y);
+                        let [sw, se, nw, ne] = colours.cell(col, row);
+                        for channel in 0..4 {
+                            let code = |texel: [u8; 4]| f64::from(texel[channel]);
+                            let south = code(sw) + (code(se) - code(sw)) * u;
+                            let north = code(nw) + (code(ne) - code(nw)) * u;
+                            let truth = south + (north - south) * v;
+                            let half = halves[channel % 2][k] >> (channel / 2 * 16) & 0xffff;
+                            let off = (f64::from(half) - truth).abs();
+                            assert!(off < 2.5, "{half} and {truth} at {t}");
+                        }
                         found += 1;
                     }
                 }
@@ -345,7 +587,7 @@ mod tests {
 
     #[test]
     fn no_ground_is_above_ceilings() {
-        each_field(|field, ground| {
+        each_field(|field, ground, _| {
             for ([first, more], level) in GROUPS.into_iter().zip([4, 6, 4, 6]) {
                 let planes = planes(first, more);
                 let (mut found, mut highest) = (0, 0.0_f64);

@@ -69,8 +69,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     for step in 0..sector.steps {
         if step > 0 && frame.detail.is_some() && march.is_far(step - 1, scratch) {
             march.go_on(scratch, 0, tally);
-            shaded = march.shade(&shader, canvas, scratch, shaded, step - lag);
-            march.cast_fans(step, shaded, &shader, canvas, scratch, tally);
+            scratch.far_from = step;
+            march.shade(&shader, canvas, scratch, shaded, step);
+            march.cast_fans(step, &shader, canvas, scratch, tally);
             scratch.pixels.finish(l, canvas, sector);
             return;
         }
@@ -115,6 +116,7 @@ impl<'a, L: Lanes> March<'a, L> {
             Field {
                 heights: &ground.heights,
                 roofs: &ground.roofs,
+                colours: ground.colours.as_ref(),
                 major,
                 minor,
                 major_axis: sector.major,
@@ -224,7 +226,7 @@ impl<'a, L: Lanes> March<'a, L> {
                     around: [
                         around(step > 0, step.wrapping_sub(1)),
                         around(true, step),
-                        around(step + 1 < self.sector.steps, step + 1),
+                        around(step + 1 < scratch.far_from.min(self.sector.steps), step + 1),
                     ],
                     step,
                     first,
@@ -232,8 +234,7 @@ impl<'a, L: Lanes> March<'a, L> {
                     directions: &self.directions,
                     reached: &scratch.reached[numbers.clone()],
                     advance: &scratch.advance[numbers.clone()],
-                    slope: &scratch.slope[numbers.clone()],
-                    beyond: (step >= scratch.between_from).then(|| &scratch.beyond[numbers]),
+                    slope: &scratch.slope[numbers],
                 };
                 let (colours, depths) = scratch.pixels.lanes_mut(step, first);
                 shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);

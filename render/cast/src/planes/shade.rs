@@ -201,9 +201,6 @@ pub(super) struct Chunk<'a> {
     pub(super) reached: &'a [f32],
     pub(super) advance: &'a [f32],
     pub(super) slope: &'a [f32],
-    /// Where rays lie between planes: how far a ray's other half reaches, where that is another piece
-    /// of ground; else 0.
-    pub(super) beyond: Option<&'a [f32]>,
     /// The step before, its own, and the one behind.
     pub(super) around: [Around<'a>; 3],
 }
@@ -513,7 +510,7 @@ impl<'a> Shader<'a> {
                         continue;
                     }
                     let filters = &mut shading.filters;
-                    let mut halves = Halves {
+                    let halves = Halves {
                         aside: [
                             l.load(group(&filters.major, at)),
                             l.load(group(&filters.minor, at)),
@@ -522,7 +519,6 @@ impl<'a> Shader<'a> {
                             l.load_i(group(&filters.levels[0], at)),
                             l.load_i(group(&filters.levels[1], at)),
                         ],
-                        coarsest: texture.frame.levels as i32 - 1,
                     };
                     if !is_photo {
                         wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
@@ -536,23 +532,7 @@ impl<'a> Shader<'a> {
                             l.mul(l.mul(t, advance), l.splat(minor)),
                         ]
                     };
-                    let mut middle = place(reached);
-                    if let Some(beyond) = chunk.beyond {
-                        let beyond = l.load(group(beyond, at));
-                        let edge = l.lt(l.splat(0.0), beyond);
-                        let edges = wanted & l.bits(edge);
-                        if edges != 0 {
-                            halves.part(
-                                l,
-                                edge,
-                                &mut middle,
-                                place(beyond),
-                                l.div(beyond, reached),
-                            );
-                            filters.two[number] |= edges;
-                        }
-                    }
-                    let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
+                    let (located, on) = texture.locate(l, l.mask(wanted), place(reached), &halves);
                     shading.on[number] = l.bits(on);
                     for (to, half) in shading.halves.iter_mut().zip(&located) {
                         l.store_i(half.at, group_mut(&mut to.at, at));
@@ -610,10 +590,18 @@ impl<'a> Shader<'a> {
         );
     }
 
+    /// Metres for each 1 of t.
     #[inline(always)]
-    fn locate<L: Lanes>(&self, l: L, chunk: &Chunk<'_>, shading: &mut Shading, depths: &mut [f32]) {
+    pub(super) fn length<L: Lanes>(&self, l: L, advance: L::F, slope: L::F) -> L::F {
         let minor_metres = l.splat(self.metres[1] as f32);
         let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
+        let minor_length = l.mul(advance, minor_metres);
+        let square = l.add(l.mul(minor_length, minor_length), major_square);
+        l.sqrt(l.add(square, l.mul(slope, slope)))
+    }
+
+    #[inline(always)]
+    fn locate<L: Lanes>(&self, l: L, chunk: &Chunk<'_>, shading: &mut Shading, depths: &mut [f32]) {
         let infinity = l.splat(f32::INFINITY);
         for at in (0..chunk.count).step_by(LANES) {
             let number = at / LANES;
@@ -622,9 +610,7 @@ impl<'a> Shader<'a> {
             let advance = l.load(group(chunk.advance, at));
             let slope = l.load(group(chunk.slope, at));
             let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
-            let minor_length = l.mul(advance, minor_metres);
-            let square = l.add(l.mul(minor_length, minor_length), major_square);
-            let length = l.sqrt(l.add(square, l.mul(slope, slope)));
+            let length = self.length(l, advance, slope);
             let depth = l.select(hit, l.mul(reached, length), infinity);
             l.store(depth, group_mut(depths, at));
             l.store(length, group_mut(&mut shading.length, at));
@@ -666,7 +652,7 @@ fn bilinear<L: Lanes>(l: L, [sw, se, nw, ne]: [L::F; 4], east: L::F, north: L::F
 
 /// The sky's colours along directions of which the sine of the angle over the horizon is `up`.
 #[inline(always)]
-fn sky_colours<L: Lanes>(l: L, up: L::F) -> L::I {
+pub(super) fn sky_colours<L: Lanes>(l: L, up: L::F) -> L::I {
     let zero = l.splat(0.0);
     let over = l.le(zero, up);
     let below = l.min(l.mul(up, l.splat(-1.0 / HAZE)), l.splat(1.0));

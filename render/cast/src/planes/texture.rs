@@ -64,34 +64,6 @@ pub(super) struct Located<L: Lanes> {
 pub(super) struct Halves<L: Lanes> {
     pub(super) aside: [L::F; 2],
     pub(super) levels: [L::I; 2],
-    /// The coarsest level that there is.
-    pub(super) coarsest: i32,
-}
-
-impl<L: Lanes> Halves<L> {
-    /// Where `edge`, puts one half at what was the `middle` and the other one at a place `beyond`,
-    /// `farther` times as far from the eye.
-    #[inline(always)]
-    pub(super) fn part(
-        &mut self,
-        l: L,
-        edge: L::M,
-        middle: &mut [L::F; 2],
-        beyond: [L::F; 2],
-        farther: L::F,
-    ) {
-        let half = l.splat(0.5);
-        for axis in 0..2 {
-            let way = l.mul(l.sub(beyond[axis], middle[axis]), half);
-            self.aside[axis] = l.select(edge, way, self.aside[axis]);
-            let between = l.add(middle[axis], way);
-            middle[axis] = l.select(edge, between, middle[axis]);
-        }
-        // Pixels cover as many times more there.
-        let level = l.add_i(self.levels[0], l.exponent(farther));
-        let level = l.max_i(l.min_i(level, l.splat_i(self.coarsest)), l.splat_i(0));
-        self.levels[1] = l.select_i(edge, level, self.levels[1]);
-    }
 }
 
 impl<'a> Mipmapped<'a> {

@@ -17,12 +17,10 @@ use crate::tally::Tally;
 const FAR: f32 = 1.0;
 
 impl<L: Lanes> March<'_, L> {
-    /// Casts the steps of a sector from `begin` on, of which those before `shaded` have their
-    /// colours.
+    /// Casts the steps of a sector from `begin` on.
     pub(super) fn cast_fans<T: Tally>(
         &self,
         begin: u32,
-        mut shaded: u32,
         shader: &Shader<'_>,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
@@ -36,31 +34,32 @@ impl<L: Lanes> March<'_, L> {
             to = fan.from;
             fans.push(fan);
         }
-        scratch.between_from = begin;
-        let mut hits = std::mem::take(&mut scratch.hits);
         while let Some(fan) = fans.pop() {
-            hits.clear();
-            hits.resize((fan.to - fan.from) as usize * fan.room(), -1.0);
+            let mut seen = std::mem::take(&mut scratch.seen);
+            // One more, as scratch.
+            let room = (fan.to - fan.from) as usize * fan.room() + 1;
+            seen.resize(seen.len().max(room), [0; 2]);
             for first in (0..fan.planes()).step_by(LANES) {
                 l.vectorize(
                     #[inline(always)]
-                    || self.march(&fan, first, scratch, &mut hits),
+                    || self.march(&fan, first, scratch, &mut seen),
                 );
             }
+            scratch.seen = seen;
             for step in fan.from..fan.to {
                 let lanes = fan.lanes(step);
                 scratch.lanes[step as usize % MEMORY] = lanes;
                 if lanes[0] < lanes[1] {
                     l.vectorize(
                         #[inline(always)]
-                        || self.between(&fan, step, &hits, canvas, scratch, tally),
+                        || self.between(&fan, step, shader, canvas, scratch, tally),
                     );
                 }
-                shaded = self.shade(shader, canvas, scratch, shaded, step);
+                scratch
+                    .pixels
+                    .finish_step(l, canvas, self.sector, step, lanes);
             }
         }
-        scratch.hits = hits;
-        self.shade(shader, canvas, scratch, shaded, self.sector.steps);
     }
 
     /// Whether most rays of a step came, so far, to where a pixel covers so many posts that its ray's

@@ -23,12 +23,12 @@ pub(in crate::planes) struct Scratch {
     /// The rays of these steps, for their colours.
     pub(super) advance: Vec<f32>,
     pub(super) slope: Vec<f32>,
-    /// How far the planes' rays of a fan reach, in a row for each step.
-    pub(super) hits: Vec<f32>,
-    /// From this step on rays lie between planes; and how far such a ray's other half reaches, where
-    /// it sees another piece of ground there.
-    pub(super) between_from: u32,
-    pub(super) beyond: Vec<f32>,
+    /// What the planes of a fan see, in a row for each step: colours (of which the fourth byte tells
+    /// the ground's share, and the others the light of that share) and, as the bits of a float, the
+    /// inverse of the ground's t for a ray that has 1 of the major axis (0 where it is sky).
+    pub(super) seen: Vec<[i32; 2]>,
+    /// From this step on rays lie between planes.
+    pub(super) far_from: u32,
     /// The rays on their way over each of the ground's resolutions.
     pub(super) waves: Vec<Waves>,
     pub(super) departure: Box<Departure>,
@@ -50,7 +50,7 @@ impl Scratch {
         // A power of two, so that the step of a ray is quickly told from where its number lies.
         let room = (width + 2 * MARGIN + LANES).next_power_of_two();
         self.lanes = [[0, 0]; MEMORY];
-        self.between_from = u32::MAX;
+        self.far_from = u32::MAX;
         let levels = self.waves.len().max(frame.levels.len());
         self.waves.resize_with(levels, Waves::default);
         // A cast that panicked may have left some behind.
@@ -58,12 +58,7 @@ impl Scratch {
             waves.low.truncate(0);
             waves.high.truncate(0);
         }
-        for numbers in [
-            &mut self.reached,
-            &mut self.advance,
-            &mut self.slope,
-            &mut self.beyond,
-        ] {
+        for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
             numbers.resize(numbers.len().max(room * MEMORY), 0.0);
         }
         self.pixels.begin(canvas, sector, width + MARGIN);

@@ -4,9 +4,12 @@ use super::super::March;
 use crate::lanes::{LANES, Lanes};
 use crate::planes::sectors::Sector;
 
-/// How much closer planes may lie in one of a fan's steps than in another. About a lane apart, they
-/// are 0.84 to 1.2 of it then.
+/// How much closer planes may lie in one of a fan's steps than in another.
 const CLOSEST: f64 = 0.7;
+
+/// How many lanes planes lie apart, in the mean of the steps in which they lie closest and farthest:
+/// 0.75 to 1.1 of one then.
+const APART: f64 = 0.9;
 
 /// Vertical planes at equal distances, and the steps that they see: planes run together in the
 /// vanishing point, so these are as many as leave the planes about a lane apart.
@@ -39,7 +42,7 @@ impl Fan {
         let pixels = |(step, &[from, to]): (u32, &[i32; 2])| {
             (from < to).then(|| (step, [f64::from(from), f64::from(to - 1)]))
         };
-        fan.apart = 1.0 / (fan.spacing(from).max(1.0) * CLOSEST.sqrt());
+        fan.apart = 1.0 / (fan.spacing(from).max(1.0) * CLOSEST.sqrt() / APART);
         let (mut least, mut most) = (f64::MAX, f64::MIN);
         for (step, [left, right]) in (from..to).zip(&fan.lanes).filter_map(pixels) {
             least = least.min(fan.plane(step, left));
