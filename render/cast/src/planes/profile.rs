@@ -93,7 +93,7 @@ pub(super) struct Crossing<L: Lanes> {
     /// What to take a cell's number from for the place of its near post in the window, or to take
     /// from that.
     from: i32,
-    /// Where the posts around them lie, if they are few enough and in one tile.
+    /// Where the posts around them lie, if they are few enough.
     window: Option<Window>,
 }
 

@@ -24,8 +24,8 @@ pub(in crate::planes) struct Scratch {
     pub(super) advance: Vec<f32>,
     pub(super) slope: Vec<f32>,
     /// What the planes of a fan see, in a row for each step: colours (of which the fourth byte tells
-    /// the ground's share, and the others the light of that share) and, as the bits of a float, the
-    /// inverse of the ground's t for a ray that has 1 of the major axis (0 where it is sky).
+    /// the ground's share, and the others the light of that share) and, as the bits of a float, one
+    /// over how many of its direction's lengths away the ground is (0 where it is sky).
     pub(super) seen: Vec<[i32; 2]>,
     /// From this step on rays lie between planes.
     pub(super) far_from: u32,

@@ -165,8 +165,8 @@ impl<L: Lanes> March<'_, L> {
         // The light of the pixel under the next border, so far, and its parts.
         let (mut red_blue, mut green_alpha) = (l.splat_i(0), l.splat_i(0));
         let mut parts = l.splat_i(0);
-        // Of the last border, 1 / t for a major axis of 1 (which is affine over a plane ground's image);
-        // and 1 / t of the horizon.
+        // Of the last border, one over how many of its direction's lengths away the ground is, which
+        // is affine in the image of a plane; and 1 / t of the horizon.
         let (mut near, mut far) = (zero, zero);
         if rays.live != 0 {
             let (up, up_step) = (load(&rays.up[0]), load(&rays.up[1]));
