@@ -411,6 +411,13 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn ends(self, value: I) -> [i32; 2] {
+        on_values!([
+            _mm256_cvtsi256_si32(value[0]),
+            _mm256_extract_epi32::<7>(value[1]),
+        ])
+    }
+    #[inline(always)]
     fn add_i(self, a: I, b: I) -> I {
         on_halves!(_mm256_add_epi32, a, b)
     }
@@ -425,6 +432,12 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         on_halves!(_mm256_mullo_epi16, a, b)
+    }
+    #[inline(always)]
+    fn lerp_halves(self, a: I, b: I, share: I) -> I {
+        let way = on_halves!(_mm256_sub_epi16, b, a);
+        let part = on_halves!(_mm256_mulhrs_epi16, way, share);
+        on_halves!(_mm256_add_epi16, a, part)
     }
     #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
@@ -495,6 +508,13 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn compress_i(self, mask: M, value: I, to: &mut [i32; LANES]) {
         on_values!(close_up(mask, value, to));
+    }
+
+    #[inline(always)]
+    fn prefetch_read<T>(self, items: &[T], at: usize) {
+        on_values!(_mm_prefetch::<_MM_HINT_T0>(
+            items.as_ptr().wrapping_add(at).cast()
+        ));
     }
 
     #[inline(always)]

@@ -309,6 +309,14 @@ impl Lanes for Avx512 {
         on_values!(_mm512_storeu_si512(to.as_mut_ptr().cast(), value));
     }
     #[inline(always)]
+    fn ends(self, value: __m512i) -> [i32; 2] {
+        on_values!({
+            let last = _mm512_extracti32x4_epi32::<3>(value);
+            [_mm512_cvtsi512_si32(value), _mm_extract_epi32::<3>(last)]
+        })
+    }
+
+    #[inline(always)]
     fn add_i(self, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_add_epi32(a, b))
     }
@@ -323,6 +331,13 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn mul_halves(self, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_mullo_epi16(a, b))
+    }
+    #[inline(always)]
+    fn lerp_halves(self, a: __m512i, b: __m512i, share: __m512i) -> __m512i {
+        on_values!({
+            let way = _mm512_sub_epi16(b, a);
+            _mm512_add_epi16(a, _mm512_mulhrs_epi16(way, share))
+        })
     }
     #[inline(always)]
     fn and_i(self, a: __m512i, b: __m512i) -> __m512i {
@@ -402,6 +417,13 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn prefetch_read<T>(self, items: &[T], at: usize) {
+        on_values!(_mm_prefetch::<_MM_HINT_T0>(
+            items.as_ptr().wrapping_add(at).cast()
+        ));
+    }
+
+    #[inline(always)]
     fn prefetch_write<T>(self, items: &[T], at: usize) {
         on_values!(_mm_prefetch::<_MM_HINT_ET0>(
             items.as_ptr().wrapping_add(at).cast()
@@ -436,6 +458,54 @@ impl Lanes for Avx512 {
             let at = _mm512_min_epu32(at, _mm512_set1_epi32(last));
             _mm512_mask_i32scatter_ps::<4>(to.as_mut_ptr().cast(), mask, at, value);
         }
+    }
+
+    #[inline(always)]
+    fn scatter_pairs(self, mask: __mmask16, at: __m512i, pairs: [__m512i; 2], to: &mut [[i32; 2]]) {
+        // The processor's own scattering takes twice as long as writing pairs one by one.
+        assert!(!to.is_empty());
+        let last = i32::try_from(to.len() - 1).unwrap_or(i32::MAX);
+        let (at, [low, high]) = on_values!({
+            let last = _mm512_set1_epi32(last);
+            let at = _mm512_min_epu32(_mm512_mask_mov_epi32(last, mask, at), last);
+            let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let high =
+                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+            let in_turn = [
+                _mm512_permutex2var_epi32(pairs[0], low, pairs[1]),
+                _mm512_permutex2var_epi32(pairs[0], high, pairs[1]),
+            ];
+            (at, in_turn)
+        });
+        let to = to.as_mut_ptr();
+        macro_rules! write {
+            ($places:expr, $pairs:expr) => {
+                // SAFETY: no place is beyond the last pair, nor before the first.
+                unsafe {
+                    let (places, pairs) = ($places, $pairs);
+                    let (even, odd) = (places as u32 as usize, (places as u64 >> 32) as usize);
+                    _mm_storel_epi64(to.add(even).cast(), pairs);
+                    _mm_storeh_pd(to.add(odd).cast(), _mm_castsi128_pd(pairs));
+                }
+            };
+        }
+        macro_rules! write_quarter {
+            ($number:literal, $half:ident, $first:literal, $second:literal) => {
+                let places = on_values!(_mm512_extracti32x4_epi32::<$number>(at));
+                write!(
+                    _mm_cvtsi128_si64(places),
+                    _mm512_extracti32x4_epi32::<$first>($half)
+                );
+                write!(
+                    _mm_extract_epi64::<1>(places),
+                    _mm512_extracti32x4_epi32::<$second>($half)
+                );
+            };
+        }
+        write_quarter!(0, low, 0, 1);
+        write_quarter!(1, low, 2, 3);
+        write_quarter!(2, high, 0, 1);
+        write_quarter!(3, high, 2, 3);
     }
 
     #[inline(always)]

@@ -30,7 +30,6 @@ mod tests;
 
 pub(crate) use isa::{Isa, Kernel};
 pub(crate) use portable::Portable;
-
 use sandtable_terrain::SlabView;
 
 /// Lanes in a group.
@@ -96,12 +95,17 @@ pub(crate) trait Lanes: Copy {
     fn splat_i(self, value: i32) -> Self::I;
     fn load_i(self, from: &[i32; LANES]) -> Self::I;
     fn store_i(self, value: Self::I, to: &mut [i32; LANES]);
+    /// The first lane and the last one.
+    fn ends(self, value: Self::I) -> [i32; 2];
     fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn sub_i(self, a: Self::I, b: Self::I) -> Self::I;
     /// The low 32 bits of each product.
     fn mul_i(self, a: Self::I, b: Self::I) -> Self::I;
     /// The low 16 bits of the product of each 16 bits.
     fn mul_halves(self, a: Self::I, b: Self::I) -> Self::I;
+    /// As much of the way from `a` to `b` as `share` has of 2¹⁵, rounded, of each 16 bits: signed
+    /// numbers that lie no more than 2¹⁵ − 1 apart.
+    fn lerp_halves(self, a: Self::I, b: Self::I, share: Self::I) -> Self::I;
     fn and_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn min_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn max_i(self, a: Self::I, b: Self::I) -> Self::I;
@@ -126,6 +130,8 @@ pub(crate) trait Lanes: Copy {
     fn compress(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]);
     fn compress_i(self, mask: Self::M, value: Self::I, to: &mut [i32; LANES]);
 
+    /// Asks for the memory of an item, to be read soon.
+    fn prefetch_read<T>(self, items: &[T], at: usize);
     /// Asks for the memory of an item, to be written soon.
     fn prefetch_write<T>(self, items: &[T], at: usize);
     /// Asks for the memory `further` on from the places of every `EVERY`-th lane, to be read soon.

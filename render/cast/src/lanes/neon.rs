@@ -348,6 +348,10 @@ impl Lanes for Neon {
         }
     }
     #[inline(always)]
+    fn ends(self, value: I) -> [i32; 2] {
+        on_values!([vgetq_lane_s32::<0>(value[0]), vgetq_lane_s32::<3>(value[3])])
+    }
+    #[inline(always)]
     fn add_i(self, a: I, b: I) -> I {
         on_quarters!(vaddq_s32, a, b)
     }
@@ -364,6 +368,14 @@ impl Lanes for Neon {
         on_values!(std::array::from_fn(|k| {
             let product = vmulq_s16(vreinterpretq_s16_s32(a[k]), vreinterpretq_s16_s32(b[k]));
             vreinterpretq_s32_s16(product)
+        }))
+    }
+    #[inline(always)]
+    fn lerp_halves(self, a: I, b: I, share: I) -> I {
+        on_values!(std::array::from_fn(|k| {
+            let [a, b, share] = [a[k], b[k], share[k]].map(|x| vreinterpretq_s16_s32(x));
+            let part = vqrdmulhq_s16(vsubq_s16(b, a), share);
+            vreinterpretq_s32_s16(vaddq_s16(a, part))
         }))
     }
     #[inline(always)]
@@ -449,6 +461,19 @@ impl Lanes for Neon {
                 vst1q_s32(to.add(end), vreinterpretq_s32_u8(closed_up));
             }
             end += lanes.count_ones() as usize;
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch_read<T>(self, items: &[T], at: usize) {
+        let place = items.as_ptr().wrapping_add(at);
+        // SAFETY: asking for memory that there is not does nothing.
+        unsafe {
+            std::arch::asm!(
+                "prfm pldl1keep, [{}]",
+                in(reg) place,
+                options(nostack, preserves_flags, readonly)
+            );
         }
     }
 

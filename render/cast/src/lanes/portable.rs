@@ -155,6 +155,10 @@ impl Lanes for Portable {
         *to = value;
     }
     #[inline(always)]
+    fn ends(self, value: I) -> [i32; 2] {
+        [value[0], value[LANES - 1]]
+    }
+    #[inline(always)]
     fn add_i(self, a: I, b: I) -> I {
         map(i32::wrapping_add, a, b)
     }
@@ -173,6 +177,15 @@ impl Lanes for Portable {
             low | (a >> 16).wrapping_mul(b >> 16) << 16
         };
         map(product, a, b)
+    }
+    #[inline(always)]
+    fn lerp_halves(self, a: I, b: I, share: I) -> I {
+        let half = |a: i32, b: i32, share: i32, shift: i32| {
+            let [a, b, share] = [a, b, share].map(|x| (x >> shift) as i16);
+            let part = (i32::from(b.wrapping_sub(a)) * i32::from(share) + (1 << 14)) >> 15;
+            i32::from(a.wrapping_add(part as i16) as u16) << shift
+        };
+        std::array::from_fn(|k| half(a[k], b[k], share[k], 0) | half(a[k], b[k], share[k], 16))
     }
     #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
@@ -250,6 +263,9 @@ impl Lanes for Portable {
     fn compress_i(self, mask: M, value: I, to: &mut I) {
         close_up(self.bits(mask), value, to);
     }
+
+    #[inline(always)]
+    fn prefetch_read<T>(self, _: &[T], _: usize) {}
 
     #[inline(always)]
     fn prefetch_write<T>(self, _: &[T], _: usize) {}

@@ -282,6 +282,27 @@ each_isa! {
                 i32::from(product(0)) | i32::from(product(16)) << 16
             };
             assert_same_ints(l, "mul_halves", l.mul_halves(x, y), from_fn(|k| halves(a[k], b[k])));
+            let share = random.lanes(Random::int);
+            let between = |k: usize| {
+                let half = |shift: i32| {
+                    let [a, b, share] = [a[k], b[k], share[k]].map(|n| i32::from((n >> shift) as i16));
+                    // As far apart as they may lie.
+                    let (a, b) = (a / 2, b / 2);
+                    (a, b, i32::from((a + (((b - a) * share + (1 << 14)) >> 15)) as u16))
+                };
+                [half(0), half(16)]
+            };
+            let joined = |low: i32, high: i32| (low & 0xffff) | high << 16;
+            let ends = |end: fn((i32, i32, i32)) -> i32| -> [i32; LANES] {
+                from_fn(|k| {
+                    let [low, high] = between(k).map(end);
+                    joined(low, high)
+                })
+            };
+            let (near, far) = (l.load_i(&ends(|half| half.0)), l.load_i(&ends(|half| half.1)));
+            let found = l.lerp_halves(near, far, l.load_i(&share));
+            assert_same_ints(l, "lerp_halves", found, ends(|half| half.2));
+            assert_eq!(l.ends(x), [a[0], a[LANES - 1]], "ends on {}", type_name::<L>());
             assert_same_ints(l, "and_i", l.and_i(x, y), from_fn(|k| a[k] & b[k]));
             assert_same_ints(l, "min_i", l.min_i(x, y), from_fn(|k| a[k].min(b[k])));
             assert_same_ints(l, "max_i", l.max_i(x, y), from_fn(|k| a[k].max(b[k])));
@@ -409,6 +430,7 @@ each_isa! {
         for at in [0, 15, 16, -1, i32::MAX, i32::MIN] {
             l.prefetch::<_, 4>(&view, &[at; LANES], 0);
             l.prefetch::<_, 1>(&view, &[at; LANES], -7);
+            l.prefetch_read(&slots[0], at as u32 as usize);
             l.prefetch_write(&slots[0], at as u32 as usize);
         }
     }
