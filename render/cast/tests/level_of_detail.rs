@@ -185,7 +185,8 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
         for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
             let at = (j * width + i) as usize;
             let (a, b) = (exact.depth[at], detail.depth[at]);
-            // A pixel that has the border in it may end on either side; it is longer than wide.
+            // A pixel that has the border in it may end on either side; it lies between planes up to
+            // 1.1 pixels apart, and on ground seen from aside it is longer than wide.
             let pixel = 2.0 * (0.5_f64).tan() / f64::from(width) * f64::from(a.min(b));
             let extent = scene.ground.grid().extent();
             let on_border = exact
@@ -193,7 +194,8 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
                 .or(detail.point(i, j))
                 .is_some_and(|point| {
                     let inside = point.truncate().min(extent - point.truncate());
-                    inside.min_element() < 1.1 * pixel
+                    let above: f64 = (view.eye.z - point.z) / f64::from(a.min(b));
+                    inside.min_element() < pixel * (0.6 / above).max(1.1)
                 });
             let same = a == b || (a - b).abs() < 2e-3 * a;
             let point = exact.point(i, j);

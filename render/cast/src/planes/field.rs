@@ -40,10 +40,16 @@ impl<'a, T> Tiles<'a, T> {
         self.begin(l, number)
     }
 
-    /// The tile of a number along x and along y.
+    /// The number of the tile that is the `x`-th from the west and the `y`-th from the south.
     #[inline(always)]
-    pub(super) fn items_of(&self, x: i32, y: i32) -> &'a [T] {
-        self.items.nth((y * self.across + x) as usize)
+    pub(super) fn number(&self, x: i32, y: i32) -> usize {
+        (y * self.across + x) as usize
+    }
+
+    /// The number of the tile to the north of one.
+    #[inline(always)]
+    pub(super) fn above(&self, number: usize) -> usize {
+        number + self.across as usize
     }
 
     /// Where the tile begins that has a number along x and along y.

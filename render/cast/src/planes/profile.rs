@@ -97,12 +97,17 @@ pub(super) struct Crossing<L: Lanes> {
     window: Option<Window>,
 }
 
-/// Neighbouring posts of one line, as many as there is [`ROOM`] for.
+/// Neighbouring posts of one line, as many as there is [`ROOM`] for: heights and colours alike, which
+/// lie in the same places of their tiles.
 #[derive(Clone, Copy)]
 struct Window {
-    /// The line's and the first post's number along the ground's axes.
-    major: i32,
-    minor: i32,
+    /// The number of the tile that has the first post, and where in it that lies.
+    tile: usize,
+    first: usize,
+    /// Where in a tile its line begins, if that is a row; else how far into one it lies.
+    line: usize,
+    /// Posts of this tile, of which the last one is the next tile's first.
+    left: i32,
     /// How many posts count.
     count: i32,
 }
@@ -111,7 +116,7 @@ struct Window {
 const ROOM: i32 = 2 * LANES as i32;
 
 /// How many lines of posts ahead memory is asked for, where lines are rows.
-const ROWS_AHEAD: i32 = 6;
+const ROWS_AHEAD: i32 = 3;
 
 /// The same where they are columns: as many as there are in a line of the processor's cache.
 const COLUMNS_AHEAD: i32 = 16;
@@ -164,7 +169,9 @@ impl<L: Lanes> Crossing<L> {
             l.add(along, l.splat(field.minor.fraction)),
             l.to_float(cell),
         );
-        let cells = planes.cells(field, [t; 2]);
+        // Planes lie in order.
+        let [first, last] = l.ends(cell);
+        let cells = [first.min(last), first.max(last)];
         Self {
             line,
             cell,
@@ -215,9 +222,12 @@ impl<L: Lanes> Crossing<L> {
             return halves(l, self.colours_apart(l, field, colours));
         };
         let [near, far] = self.around(l, field, posts);
-        let share = l.mul(self.share, l.splat(256.0));
-        let share = l.to_int(l.max(l.min(share, l.splat(256.0)), l.splat(0.0)));
-        lerp(l, halves(l, near), halves(l, far), share)
+        let share = parts(l, self.share);
+        let (near, far) = (halves(l, near), halves(l, far));
+        [
+            l.lerp_halves(near[0], far[0], share),
+            l.lerp_halves(near[1], far[1], share),
+        ]
     }
 
     /// The near and the far posts around planes, among those of the window.
@@ -301,25 +311,12 @@ pub(super) fn twice<L: Lanes>(l: L, number: L::I) -> L::I {
     l.add_i(number, l.shl_i(number, l.splat_i(16)))
 }
 
-/// Colours in [`halves`] between two, of which the second one has `share` of 256 parts.
+/// A share of 1 in both halves of each lane, as [`Lanes::lerp_halves`] takes it; one below 0 or above
+/// 1 is taken for that.
 #[inline(always)]
-pub(super) fn lerp<L: Lanes>(l: L, a: [L::I; 2], b: [L::I; 2], share: L::I) -> [L::I; 2] {
-    let rest = twice(l, l.sub_i(l.splat_i(256), share));
-    let share = twice(l, share);
-    [
-        mean(l, [a[0], b[0]], [rest, share]),
-        mean(l, [a[1], b[1]], [rest, share]),
-    ]
-}
-
-/// Of two numbers in halves, with weights in halves that are 256 in all.
-#[inline(always)]
-fn mean<L: Lanes>(l: L, numbers: [L::I; 2], weights: [L::I; 2]) -> L::I {
-    let sum = l.add_i(
-        l.mul_halves(numbers[0], weights[0]),
-        l.mul_halves(numbers[1], weights[1]),
-    );
-    upper_bytes(l, sum)
+pub(super) fn parts<L: Lanes>(l: L, share: L::F) -> L::I {
+    let share = l.max(l.min(share, l.splat(1.0)), l.splat(0.0));
+    twice(l, l.to_int(l.mul(share, l.splat(32767.0))))
 }
 
 /// Numbers in halves, divided by 256 and rounded.
@@ -333,11 +330,29 @@ impl Window {
     /// The posts of a mirrored line that mirrored cells from the first to the last of `cells` have.
     #[inline(always)]
     fn around(field: &Field<'_>, line: i32, [first, last]: [i32; 2]) -> Option<Self> {
-        let minor = &field.minor;
         let count = last - first + 2;
-        (count <= ROOM).then(|| Self {
-            major: field.major.post(line),
-            minor: minor.post(first).min(minor.post(last + 1)),
+        if count > ROOM {
+            return None;
+        }
+        let minor = &field.minor;
+        let minor = minor.post(first).min(minor.post(last + 1));
+        let major = field.major.post(line);
+        // The last post of an axis belongs to the cell before it.
+        let tile = major.min(field.major.last_post() - 1) >> 8;
+        let (along, aside) = (major - (tile << 8), minor & 255);
+        let stride = field.heights.stride as usize;
+        let (tile, line, first) = if field.major_axis == 0 {
+            let tile = field.heights.number(tile, minor >> 8);
+            (tile, along as usize, aside as usize * stride)
+        } else {
+            let tile = field.heights.number(minor >> 8, tile);
+            (tile, along as usize * stride, aside as usize)
+        };
+        Some(Self {
+            tile,
+            first: line + first,
+            line,
+            left: 256 - aside,
             count,
         })
     }
@@ -353,7 +368,7 @@ impl Window {
         tiles: &Tiles<'_, T>,
     ) -> Option<[L::I; 2]> {
         if field.major_axis == 0 {
-            self.read_column(l, field, tiles)
+            Some(self.read_column(l, field, tiles))
         } else {
             self.read_row(l, field, planes, tiles)
         }
@@ -367,38 +382,29 @@ impl Window {
         planes: &PlaneGroup<L>,
         tiles: &Tiles<'_, T>,
     ) -> Option<[L::I; 2]> {
-        // The last post of an axis belongs to the cell before it.
-        let tile = [
-            self.minor >> 8,
-            self.major.min(field.major.last_post() - 1) >> 8,
-        ];
-        let row = (self.major - (tile[1] << 8)) as usize * tiles.stride as usize;
-        let aside = self.minor & 255;
-        // Posts of this tile, of which the last one is the next tile's first.
-        let left = 256 - aside;
-        let crosses = self.count > left + 1;
-        let within = row + aside as usize;
+        let tile = tiles.items.nth(self.tile);
+        let crosses = self.count > self.left + 1;
         if field.ahead.is_some() {
             let further = field.major.sign * ROWS_AHEAD * tiles.stride as i32
                 + field.minor.sign * planes.drift;
-            let begin = tiles.tile(tile[0], tile[1]) as i32 + within as i32;
-            let behind = if crosses {
-                tiles.tile(tile[0] + 1, tile[1]) as i32 + row as i32
+            let at = self.first.wrapping_add_signed(further as isize);
+            l.prefetch_read(tile, at);
+            l.prefetch_read(tile, at.wrapping_add(15));
+            if crosses {
+                let at = self.line.wrapping_add_signed(further as isize);
+                l.prefetch_read(tiles.items.nth(self.tile + 1), at);
             } else {
-                begin + ROOM - 1
-            };
-            let (a, b, c) = (begin, begin + 15, behind);
-            let places = [a, a, a, a, b, b, b, b, c, c, c, c, c, c, c, c];
-            l.prefetch::<_, 4>(&tiles.items, &places, further);
+                l.prefetch_read(tile, at.wrapping_add(ROOM as usize - 1));
+            }
         }
-        let posts = line(l, tiles.items_of(tile[0], tile[1]), within)?;
+        let posts = line(l, tile, self.first)?;
         if !crosses {
             return Some(posts);
         }
-        let within = row.checked_sub(left as usize)?;
-        let next = line(l, tiles.items_of(tile[0] + 1, tile[1]), within)?;
+        let next = tiles.items.nth(self.tile + 1);
+        let next = line(l, next, self.line.checked_sub(self.left as usize)?)?;
         let numbers = l.load_i(&NUMBERS);
-        let left = l.splat_i(left);
+        let left = l.splat_i(self.left);
         let is_low = l.gt_i(left, numbers);
         let is_high = l.gt_i(left, l.add_i(numbers, l.splat_i(LANES as i32)));
         Some([
@@ -413,25 +419,21 @@ impl Window {
         l: L,
         field: &Field<'_>,
         tiles: &Tiles<'_, T>,
-    ) -> Option<[L::I; 2]> {
+    ) -> [L::I; 2] {
         let stride = tiles.stride as usize;
-        // The last post of an axis belongs to the cell before it.
-        let tile = self.major.min(field.major.last_post() - 1) >> 8;
-        let along = (self.major - (tile << 8)) as u32;
-        let aside = self.minor & 255;
-        let place = tiles.tile(tile, self.minor >> 8) + aside as u32 * tiles.stride + along;
+        let tile = tiles.items.nth(self.tile);
         if field.ahead.is_some() {
             // A third of the lines that the next sixteen columns lie in.
-            let row = 3 * (along as i32 & 7);
-            let row = |k: i32| ((row + k).min(self.count) as u32 * tiles.stride + place) as i32;
-            let (a, b, c) = (row(0), row(1), row(2));
-            let places = [a, a, a, a, b, b, b, b, c, c, c, c, c, c, c, c];
-            l.prefetch::<_, 4>(&tiles.items, &places, field.major.sign * COLUMNS_AHEAD);
+            let row = 3 * (self.line & 7);
+            let further = (field.major.sign * COLUMNS_AHEAD) as isize;
+            for row in row..row + 3 {
+                let at = self.first + row.min(self.count as usize) * stride;
+                l.prefetch_read(tile, at.wrapping_add_signed(further));
+            }
         }
-        let items: &[i32] = bytemuck::cast_slice(tiles.items.from_place(place));
+        let items: &[i32] = bytemuck::cast_slice(tile.get(self.first..).unwrap_or_default());
         let mut posts = [0; ROOM as usize];
-        let left = 256 - aside;
-        if self.count <= left + 1 && items.len() > (ROOM as usize - 1) * stride {
+        if self.count <= self.left + 1 && items.len() > (ROOM as usize - 1) * stride {
             for k in 0..LANES {
                 posts[k] = items[k * stride];
             }
@@ -441,20 +443,20 @@ impl Window {
                 }
             }
         } else {
-            let here = self.count.min(left + 1) as usize;
+            let here = self.count.min(self.left + 1) as usize;
             for (post, &item) in posts[..here].iter_mut().zip(items.iter().step_by(stride)) {
                 *post = item;
             }
             if here < self.count as usize {
-                let place = tiles.tile(tile, (self.minor >> 8) + 1) + along;
-                let items: &[i32] = bytemuck::cast_slice(tiles.items.from_place(place));
-                let posts = &mut posts[left as usize..self.count as usize];
+                let next = tiles.items.nth(tiles.above(self.tile));
+                let items: &[i32] = bytemuck::cast_slice(next.get(self.line..).unwrap_or_default());
+                let posts = &mut posts[self.left as usize..self.count as usize];
                 for (post, &item) in posts.iter_mut().zip(items.iter().step_by(stride)) {
                     *post = item;
                 }
             }
         }
-        Some([l.load_i(group(&posts, 0)), l.load_i(group(&posts, LANES))])
+        [l.load_i(group(&posts, 0)), l.load_i(group(&posts, LANES))]
     }
 }
 

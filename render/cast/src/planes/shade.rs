@@ -590,9 +590,19 @@ impl<'a> Shader<'a> {
         );
     }
 
+    /// How many metres long directions are whose components are cells along the major and the minor
+    /// axis, and metres up.
+    #[inline(always)]
+    pub(super) fn metres_of<L: Lanes>(&self, l: L, [major, minor, up]: [L::F; 3]) -> L::F {
+        let major = l.mul(major, l.splat(self.metres[0] as f32));
+        let minor = l.mul(minor, l.splat(self.metres[1] as f32));
+        let square = l.add(l.mul(minor, minor), l.mul(major, major));
+        l.sqrt(l.add(square, l.mul(up, up)))
+    }
+
     /// Metres for each 1 of t.
     #[inline(always)]
-    pub(super) fn length<L: Lanes>(&self, l: L, advance: L::F, slope: L::F) -> L::F {
+    fn length<L: Lanes>(&self, l: L, advance: L::F, slope: L::F) -> L::F {
         let minor_metres = l.splat(self.metres[1] as f32);
         let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
         let minor_length = l.mul(advance, minor_metres);

@@ -78,12 +78,21 @@ impl<L: Lanes> Aim<L> {
         }
     }
 
-    /// The group of which the first has the direction `first`.
+    /// The directions of the group of which the first has the direction `first`: along the major
+    /// axis, along the minor one, and up.
+    #[inline(always)]
+    pub(super) fn directions(&self, l: L, first: DVec3) -> [L::F; 3] {
+        [
+            l.max(l.add(l.splat(first.x as f32), self.major), self.steep),
+            l.max(l.add(l.splat(first.y as f32), self.minor), l.splat(0.0)),
+            l.add(l.splat(first.z as f32), self.up),
+        ]
+    }
+
+    /// As [`Aim::directions`], for each 1 of the major axis.
     #[inline(always)]
     pub(super) fn at(&self, l: L, first: DVec3) -> Aimed<L> {
-        let major = l.max(l.add(l.splat(first.x as f32), self.major), self.steep);
-        let minor = l.max(l.add(l.splat(first.y as f32), self.minor), l.splat(0.0));
-        let up = l.add(l.splat(first.z as f32), self.up);
+        let [major, minor, up] = self.directions(l, first);
         let scale = l.div(l.splat(1.0), major);
         Aimed {
             advance: l.mul(minor, scale),

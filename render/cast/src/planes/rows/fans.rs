@@ -4,6 +4,8 @@
 mod between;
 mod fan;
 mod march;
+mod rays;
+mod sight;
 
 use super::March;
 use super::directions::STEEP;
@@ -35,11 +37,9 @@ impl<L: Lanes> March<'_, L> {
             fans.push(fan);
         }
         while let Some(fan) = fans.pop() {
-            let mut seen = std::mem::take(&mut scratch.seen);
             // One more, as scratch.
-            let room = (fan.to - fan.from) as usize * fan.room() + 1;
-            seen.resize(seen.len().max(room), [0; 2]);
-            for first in (0..fan.planes()).step_by(LANES) {
+            let mut seen = scratch.take_seen((fan.to - fan.from) as usize * fan.room() + 1);
+            for first in (0..fan.planes()).step_by(march::PLANES) {
                 l.vectorize(
                     #[inline(always)]
                     || self.march(&fan, first, scratch, &mut seen),

@@ -9,6 +9,7 @@ use crate::planes::sectors::Sector;
 use crate::planes::shade::Shading;
 use crate::planes::walk::Passage;
 use crate::planes::wave::Waves;
+use sandtable_terrain::use_huge_pages;
 
 /// How many steps back the ray may lie from which one begins.
 pub(super) const MEMORY: usize = 8;
@@ -39,6 +40,17 @@ pub(in crate::planes) struct Scratch {
 }
 
 impl Scratch {
+    /// Takes out [`Scratch::seen`], with room for at least so many pixels.
+    pub(super) fn take_seen(&mut self, room: usize) -> Vec<[i32; 2]> {
+        let mut seen = std::mem::take(&mut self.seen);
+        if seen.len() < room {
+            seen = Vec::with_capacity(room);
+            use_huge_pages(seen.spare_capacity_mut());
+            seen.resize(room, [0; 2]);
+        }
+        seen
+    }
+
     /// Makes ready for a sector; gives the numbers a step.
     pub(super) fn begin(
         &mut self,

@@ -1,13 +1,13 @@
 //! Pixels between planes.
 
 use super::super::March;
-use super::super::directions::{Aim, Aimed};
+use super::super::directions::Aim;
 use super::super::scratch::{MARGIN, Scratch};
 use super::fan::Fan;
-use super::march::SAME;
+use super::sight::SAME;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
-use crate::planes::profile::{halves, lerp, twice, upper_bytes};
+use crate::planes::profile::{halves, parts, twice, upper_bytes};
 use crate::planes::shade::{Shader, sky_colours};
 use crate::tally::Tally;
 
@@ -35,20 +35,17 @@ impl<L: Lanes> March<'_, L> {
         let aside = l.mul(numbers, l.splat(fan.planes_to_lane(step) as f32));
         let pixel = self.pixel_width(step, 0.5 * f64::from(lanes[0] + lanes[1]));
         let same = l.splat(1.0 + SAME * pixel as f32);
+        // The next fan goes on from where this one's last rays came.
+        let is_last = step + 1 == fan.to;
         let zero = l.splat(0.0);
         let evens = l.load_i(&std::array::from_fn(|k| 2 * k as i32));
         let odds = l.add_i(evens, l.splat_i(1));
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
-            let at = self.slot(step) + MARGIN + first as usize;
             let pixels = [first, lanes[1].min(first + LANES as i32)];
             scratch
                 .pixels
                 .prefetch(l, canvas, self.sector, step, pixels);
-            let Aimed {
-                advance,
-                slope,
-                scale,
-            } = aim.at(l, self.directions.at(step, first));
+            let direction = aim.directions(l, self.directions.at(step, first));
             let plane = fan.plane(step, f64::from(first));
             let base = plane as usize;
             let low = [
@@ -77,30 +74,32 @@ impl<L: Lanes> March<'_, L> {
                 l.add(left, l.mul(l.sub(right, left), share)),
                 nearer,
             );
-            let inverse = l.mul(inverse, scale);
             let hit = l.lt(zero, inverse);
-            let t = l.div(l.splat(1.0), inverse);
-            l.store(
-                l.select(hit, t, l.splat(-1.0)),
-                group_mut(&mut scratch.reached, at),
-            );
-            let length = shader.length(l, advance, slope);
-            let depth = l.select(hit, l.mul(t, length), l.splat(f32::INFINITY));
+            if is_last {
+                let at = self.slot(step) + MARGIN + first as usize;
+                let t = l.select(hit, l.div(direction[0], inverse), l.splat(-1.0));
+                l.store(t, group_mut(&mut scratch.reached, at));
+            }
+            let length = shader.metres_of(l, direction);
+            let depth = l.select(hit, l.div(length, inverse), l.splat(f32::INFINITY));
 
             let left = halves(l, l.among(colours, before));
             let right = halves(l, l.among(colours, behind));
-            let share = l.to_int(l.mul(share, l.splat(256.0)));
-            let mut ground = lerp(l, left, right, share);
+            let share = parts(l, share);
+            let mut ground = [
+                l.lerp_halves(left[0], right[0], share),
+                l.lerp_halves(left[1], right[1], share),
+            ];
             // In the upper half of the second one.
             let alpha = l.shr_i(ground[1], l.splat_i(16));
             if l.bits(l.gt_i(l.splat_i(255), alpha)) != 0 {
-                let sky = halves(l, sky_colours(l, l.div(slope, length)));
+                let sky = halves(l, sky_colours(l, l.div(direction[2], length)));
                 let rest = l.sub_i(l.splat_i(256), l.add_i(alpha, l.shr_i(alpha, l.splat_i(7))));
                 let rest = twice(l, rest);
-                let parts = [l.mul_halves(sky[0], rest), l.mul_halves(sky[1], rest)];
+                let light = [l.mul_halves(sky[0], rest), l.mul_halves(sky[1], rest)];
                 ground = [
-                    l.add_i(ground[0], upper_bytes(l, parts[0])),
-                    l.add_i(ground[1], upper_bytes(l, parts[1])),
+                    l.add_i(ground[0], upper_bytes(l, light[0])),
+                    l.add_i(ground[1], upper_bytes(l, light[1])),
                 ];
             }
             let colour = l.add_i(ground[0], l.shl_i(ground[1], l.splat_i(8)));

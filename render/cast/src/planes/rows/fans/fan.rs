@@ -8,8 +8,8 @@ use crate::planes::sectors::Sector;
 const CLOSEST: f64 = 0.7;
 
 /// How many lanes planes lie apart, in the mean of the steps in which they lie closest and farthest:
-/// 0.75 to 1.1 of one then.
-const APART: f64 = 0.9;
+/// 0.77 to 1.1 of one then.
+const APART: f64 = 0.92;
 
 /// Vertical planes at equal distances, and the steps that they see: planes run together in the
 /// vanishing point, so these are as many as leave the planes about a lane apart.

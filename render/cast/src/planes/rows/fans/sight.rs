@@ -1,0 +1,361 @@
+//! What sixteen planes see of the ground: light, pixel by pixel, over a horizon that rises.
+
+use super::rays::{Each, PARTS, Rays};
+use crate::lanes::{LANES, Lanes};
+use crate::planes::field::Field;
+use crate::planes::profile::{Crossing, PlaneGroup, twice, upper_bytes};
+
+/// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
+pub(super) const SAME: f32 = 5.0;
+
+/// How many pixels ahead of the next one the memory of a plane's pixels is asked for.
+const AHEAD: i32 = 4;
+
+/// Closer lines than this t are taken to lie there: their slopes have no end, and in what lies
+/// between them and the next line digits would be lost. Far ground under the eye lies hundreds of
+/// cells below it.
+const NEAREST: f32 = 0.03125;
+
+/// A piece of sixteen profiles, from a line of posts to the next, as far as there is ground.
+pub(super) struct Piece<L: Lanes> {
+    crossing: Crossing<L>,
+    /// The heights on the farther line.
+    height: L::F,
+    /// At both ends the slopes from the eye, and 1 / t.
+    slopes: [L::F; 2],
+    inverses: [L::F; 2],
+    /// The higher slope: where the ground begins over the horizon, its side is seen, too.
+    top: L::F,
+    /// Which planes see some of it.
+    pub(super) visible: L::M,
+}
+
+/// The colours at a piece's ends, and how it rises.
+pub(super) struct Paint<L: Lanes> {
+    ends: [[L::I; 2]; 2],
+    /// One over how much the slope grows.
+    per_rise: L::F,
+    /// How much of the way from end to end has been seen.
+    done: L::F,
+}
+
+/// What sixteen planes have seen so far.
+pub(super) struct Sight<L: Lanes> {
+    pub(super) planes: PlaneGroup<L>,
+    /// Directions of pixels' borders, as [`Rays`] has them.
+    up: [L::F; 2],
+    major: [L::F; 2],
+    steep: L::F,
+    all_parts: L::F,
+    steps: L::F,
+    enter: L::F,
+    leave: L::F,
+    over_ground: [f32; 2],
+    /// Which planes go on.
+    pub(super) live: L::M,
+    /// Borders that the horizon has come over, where the pixel under the next one goes, and from
+    /// there to the next pixel.
+    pub(super) border: L::F,
+    place: L::I,
+    period: i32,
+    /// That pixel's light so far, and its parts.
+    red_blue: L::I,
+    green_alpha: L::I,
+    parts: L::I,
+    /// Its lowest and highest slope, parts for each 1 of slope, and the next border's major axis.
+    low: L::F,
+    high: L::F,
+    per_slope: L::F,
+    run: L::F,
+    /// Of the last border, one over how many of its direction's lengths away the ground is, which is
+    /// affine in the image of a plane; and 1 / t of the horizon.
+    near: L::F,
+    far: L::F,
+    horizon: L::F,
+    /// The last line's heights, slopes and colours.
+    height: L::F,
+    slope: L::F,
+    colours: [L::I; 2],
+}
+
+impl<L: Lanes> Sight<L> {
+    /// Of planes that have seen nothing yet, in whose fan a pixel's number lies `period` behind that
+    /// of the one below it.
+    #[inline(always)]
+    pub(super) fn new(l: L, rays: &Rays, steep: f32, period: usize) -> Self {
+        let load = |numbers: &Each| l.load(numbers);
+        let (zero, none) = (l.splat(0.0), l.splat_i(0));
+        let steep = l.splat(steep);
+        let up = [load(&rays.up[0]), load(&rays.up[1])];
+        let major = [load(&rays.major[0]), load(&rays.major[1])];
+        let run = l.max(major[0], steep);
+        Self {
+            planes: PlaneGroup::new(l, &rays.advance),
+            up,
+            major,
+            steep,
+            all_parts: load(&rays.parts),
+            steps: load(&rays.steps),
+            enter: load(&rays.enter),
+            leave: load(&rays.leave),
+            over_ground: rays.over_ground(),
+            live: l.mask(rays.live),
+            border: zero,
+            place: l.load_i(&rays.place),
+            period: period as i32,
+            red_blue: none,
+            green_alpha: none,
+            parts: none,
+            low: zero,
+            high: l.div(up[0], run),
+            per_slope: zero,
+            run,
+            near: zero,
+            far: zero,
+            horizon: load(&rays.horizon),
+            height: zero,
+            slope: zero,
+            colours: [none; 2],
+        }
+    }
+
+    /// Goes on from a mirrored line, at t, without a look at what lies before it.
+    #[inline(always)]
+    pub(super) fn skip_to(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
+        let crossing = Crossing::new(l, field, &self.planes, line);
+        self.height = crossing.heights(l, field, &self.planes);
+        self.slope = l.mul(self.height, l.splat(1.0 / t.max(NEAREST)));
+        self.live = l.and(self.live, l.lt(l.splat(t), self.leave));
+    }
+
+    /// Whether ground no higher than `ceiling` over the eye is hidden from one t to another.
+    #[inline(always)]
+    pub(super) fn hides(&self, l: L, ceiling: f32, [from, to]: [f32; 2]) -> bool {
+        let ceiling = l.splat(ceiling);
+        let below = l.and(
+            l.lt(ceiling, l.mul(self.horizon, l.splat(from))),
+            l.lt(ceiling, l.mul(self.horizon, l.splat(to))),
+        );
+        l.bits(l.and_not(self.live, below)) == 0
+    }
+
+    /// The piece from the last line, at `t`, to the mirrored line `line`, at `end`. Planes that have
+    /// left the ground before go on no further.
+    #[inline(always)]
+    pub(super) fn piece(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: i32,
+        [t, end]: [f32; 2],
+    ) -> Piece<L> {
+        let crossing = Crossing::new(l, field, &self.planes, line);
+        let height = crossing.heights(l, field, &self.planes);
+        let mut here = self.live;
+        let mut inverses = [
+            l.splat(1.0 / t.max(NEAREST)),
+            l.splat(1.0 / end.max(NEAREST)),
+        ];
+        let mut slopes = [self.slope, l.mul(height, inverses[1])];
+        let [last_enter, first_leave] = self.over_ground;
+        if t < last_enter || first_leave < end {
+            // The ground begins or ends between the lines.
+            let from = l.max(l.splat(t), self.enter);
+            let to = l.min(l.splat(end), self.leave);
+            self.live = l.and(self.live, l.lt(from, self.leave));
+            here = l.and(self.live, l.lt(from, to));
+            let rise = l.mul(l.sub(height, self.height), l.splat(1.0 / (end - t)));
+            let nearest = l.splat(NEAREST);
+            let one = l.splat(1.0);
+            inverses = [
+                l.div(one, l.max(from, nearest)),
+                l.div(one, l.max(to, nearest)),
+            ];
+            let begin = l.add(self.height, l.mul(rise, l.sub(from, l.splat(t))));
+            let end = l.add(self.height, l.mul(rise, l.sub(to, l.splat(t))));
+            slopes = [l.mul(begin, inverses[0]), l.mul(end, inverses[1])];
+        }
+        let top = l.max(slopes[0], slopes[1]);
+        Piece {
+            crossing,
+            height,
+            slopes,
+            inverses,
+            top,
+            visible: l.and(here, l.lt(self.horizon, top)),
+        }
+    }
+
+    /// A piece's colours.
+    #[inline(always)]
+    pub(super) fn paint(&mut self, l: L, field: &Field<'_>, piece: &Piece<L>) -> Paint<L> {
+        let end = match field.colours {
+            Some(colours) => piece.crossing.colours(l, field, &self.planes, colours),
+            None => [l.splat_i(0); 2],
+        };
+        // Where the line before was not seen, all that is seen lies close to this one.
+        let [slope, end_slope] = piece.slopes;
+        let unseen = l.or(l.lt(slope, self.horizon), l.lt(self.horizon, slope));
+        let begin = [
+            l.select_i(unseen, end[0], self.colours[0]),
+            l.select_i(unseen, end[1], self.colours[1]),
+        ];
+        self.colours = end;
+        let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
+        Paint {
+            ends: [begin, end],
+            per_rise: l.div(l.splat(1.0), rise),
+            done: l.splat(0.0),
+        }
+    }
+
+    /// Over which planes' next borders a piece rises.
+    #[inline(always)]
+    pub(super) fn over(&self, l: L, piece: &Piece<L>) -> L::M {
+        l.and(piece.visible, l.le(self.high, piece.top))
+    }
+
+    /// Finishes the pixels of the planes `over` whose next borders a piece rises. Hits that are
+    /// `same` times as far as others are taken for the same piece of ground.
+    #[inline(always)]
+    pub(super) fn finish(
+        &mut self,
+        l: L,
+        over: L::M,
+        piece: &mut Piece<L>,
+        paint: &mut Paint<L>,
+        same: f32,
+        seen: &mut [[i32; 2]],
+    ) {
+        let (zero, none) = (l.splat(0.0), l.splat_i(0));
+        let share = l.mul(l.sub(self.high, piece.slopes[0]), paint.per_rise);
+        let share = l.max(share, zero);
+        let rest = l.sub_i(l.splat_i(PARTS as i32), self.parts);
+        let more = light(l, paint.ends, l.add(paint.done, share), rest);
+        let whole = [
+            l.add_i(self.red_blue, more[0]),
+            l.add_i(self.green_alpha, more[1]),
+        ];
+        paint.done = l.select(over, share, paint.done);
+        let [from, to] = piece.inverses;
+        let crossed = l.add(from, l.mul(l.sub(to, from), share));
+        let crossed = l.mul(crossed, self.run);
+        let is_one = l.le(self.near, l.mul(crossed, l.splat(same)));
+        let between = l.mul(l.add(self.near, crossed), l.splat(0.5));
+        let at = l.bits_of_float(l.select(is_one, between, self.near));
+        let pixel = l.and(over, l.lt(zero, self.border));
+        l.scatter_pairs(pixel, self.place, [packed(l, whole), at], seen);
+        let [first, last] = l.ends(self.place);
+        for place in [first, last] {
+            l.prefetch_write(seen, (place + AHEAD * self.period) as usize);
+        }
+        self.place = l.add_i_where(pixel, self.place, l.splat_i(self.period));
+        self.border = l.select(over, l.add(self.border, l.splat(1.0)), self.border);
+        self.near = l.select(over, crossed, self.near);
+        self.low = l.select(over, self.high, self.low);
+        let run = l.add(self.major[0], l.mul(self.border, self.major[1]));
+        let run = l.max(run, self.steep);
+        let per_slope = l.mul(l.mul(self.run, run), self.all_parts);
+        self.per_slope = l.select(over, per_slope, self.per_slope);
+        self.run = run;
+        self.high = l.div(l.add(self.up[0], l.mul(self.border, self.up[1])), run);
+        self.red_blue = l.select_i(over, none, self.red_blue);
+        self.green_alpha = l.select_i(over, none, self.green_alpha);
+        self.parts = l.select_i(over, none, self.parts);
+        let is_done = l.lt(self.steps, self.border);
+        piece.visible = l.and_not(piece.visible, is_done);
+        self.live = l.and_not(self.live, is_done);
+    }
+
+    /// Adds what is left of a piece to the pixels under the next borders.
+    #[inline(always)]
+    pub(super) fn add(&mut self, l: L, piece: &Piece<L>, paint: &Paint<L>) {
+        let up_to = l.mul(l.sub(piece.top, self.low), self.per_slope);
+        let up_to = l.to_int(l.max(l.min(up_to, l.splat(PARTS)), l.splat(0.0)));
+        let up_to = l.max_i(up_to, self.parts);
+        let up_to = l.select_i(piece.visible, up_to, self.parts);
+        let more = l.sub_i(up_to, self.parts);
+        let more = light(l, paint.ends, l.add(paint.done, l.splat(1.0)), more);
+        self.red_blue = l.add_i(self.red_blue, more[0]);
+        self.green_alpha = l.add_i(self.green_alpha, more[1]);
+        self.parts = up_to;
+        self.horizon = l.select(piece.visible, piece.top, self.horizon);
+        self.far = l.select(piece.visible, piece.inverses[1], self.far);
+    }
+
+    /// Goes on from a piece's end.
+    #[inline(always)]
+    pub(super) fn leave_behind(&mut self, piece: &Piece<L>) {
+        self.height = piece.height;
+        self.slope = piece.slopes[1];
+    }
+
+    /// Writes the pixels in which the ground ends, and the sky above them.
+    #[inline(always)]
+    pub(super) fn end(&self, l: L, seen: &mut [[i32; 2]]) {
+        let one = l.splat(1.0);
+        let (mut borders, mut places) = ([0.0; LANES], [0; LANES]);
+        l.store(self.border, &mut borders);
+        l.store_i(self.place, &mut places);
+        let mut colours = [0; LANES];
+        l.store_i(packed(l, [self.red_blue, self.green_alpha]), &mut colours);
+        // The ground half-way up the pixel.
+        let parts = l.to_float(self.parts);
+        let end = l.add(l.sub(self.border, one), l.mul(parts, l.splat(1.0 / PARTS)));
+        let end = l.add(self.major[0], l.mul(end, self.major[1]));
+        let far = l.mul(self.far, end);
+        let half = l.div(l.splat(0.5 * PARTS), l.max(parts, one));
+        let mut middles = [0.0; LANES];
+        let middle = l.add(self.near, l.mul(l.sub(far, self.near), half));
+        l.store(middle, &mut middles);
+        let mut steps = [0.0; LANES];
+        l.store(self.steps, &mut steps);
+        for k in 0..LANES {
+            let mut pixel = [0; 2];
+            let mut left = steps[k] as usize;
+            if borders[k] > 0.0 {
+                left = (steps[k] + 1.0 - borders[k]) as usize;
+                let is_ground = colours[k] < 0;
+                let at = if is_ground { middles[k] } else { 0.0 };
+                pixel = [colours[k], at.to_bits() as i32];
+            }
+            for row in 0..left {
+                seen[places[k] as usize + row * self.period as usize] = pixel;
+                pixel = [0; 2];
+            }
+        }
+    }
+}
+
+/// So many parts of the light of a piece of ground between two colours; it lies half of `twice_share`
+/// of the way from the first one to the second.
+#[inline(always)]
+fn light<L: Lanes>(
+    l: L,
+    [begin, end]: [[L::I; 2]; 2],
+    twice_share: L::F,
+    parts: L::I,
+) -> [L::I; 2] {
+    let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
+    let of_end = l.shr_i(l.mul_halves(parts, share), l.splat_i(7));
+    let of_begin = twice(l, l.sub_i(parts, of_end));
+    let of_end = twice(l, of_end);
+    [
+        l.add_i(
+            l.mul_halves(begin[0], of_begin),
+            l.mul_halves(end[0], of_end),
+        ),
+        l.add_i(
+            l.mul_halves(begin[1], of_begin),
+            l.mul_halves(end[1], of_end),
+        ),
+    ]
+}
+
+/// Colours from sums of light in halves.
+#[inline(always)]
+fn packed<L: Lanes>(l: L, [red_blue, green_alpha]: [L::I; 2]) -> L::I {
+    let green_alpha = l.add_i(green_alpha, l.splat_i(0x0080_0080));
+    let green_alpha = l.and_i(green_alpha, l.splat_i(0xff00_ff00_u32 as i32));
+    l.add_i(upper_bytes(l, red_blue), green_alpha)
+}
