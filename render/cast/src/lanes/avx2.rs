@@ -1,5 +1,10 @@
 //! AVX2: eight lanes a register, two registers a group.
 
+mod pairs;
+mod texels;
+
+use self::pairs::{apart, pairs, rows};
+use self::texels::{along, blend, blend_by_six_bits};
 use super::alone::place_alone;
 use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
@@ -95,161 +100,12 @@ fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
     }
 }
 
-/// Two neighbouring items of four bytes each, for eight lanes: for lanes 0, 1, 4, 5 and 2, 3, 6, 7,
-/// so that what takes from both registers by quarters gives lanes in order.
-type Pairs = [__m256i; 2];
-
-/// The pairs at eight addresses, those of lane `first` on.
-///
-/// # Safety
-/// Eight bytes can be read at each.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-unsafe fn pairs(first: usize, address: impl Fn(usize) -> *const u8) -> Pairs {
-    macro_rules! two {
-        ($k:expr) => {{
-            // SAFETY: the caller's promise.
-            unsafe {
-                let low = _mm_loadl_epi64(address(first + $k).cast());
-                let both = _mm_loadh_pd(_mm_castsi128_pd(low), address(first + $k + 1).cast());
-                _mm_castpd_si128(both)
-            }
-        }};
-    }
-    [
-        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two!(0)), two!(4)),
-        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two!(2)), two!(6)),
-    ]
-}
-
 /// No lane beyond `last`, as unsigned numbers.
 #[inline(always)]
 fn limited(at: I, last: usize) -> I {
     let last = i32::try_from(last).unwrap_or(i32::MAX);
     let last = on_values!([_mm256_set1_epi32(last); 2]);
     on_halves!(_mm256_min_epu32, at, last)
-}
-
-/// The pairs at lanes' places, and those a row further, for lanes 0 to 7 and 8 to 15. Places behind
-/// the last cell are moved to it.
-#[inline(always)]
-fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 2]; 2] {
-    const { assert!(size_of::<T>() == 4) };
-    assert!(items.len() >= stride as usize + 2, "a tile has a cell");
-    let last = items.len() - (stride as usize + 2);
-    let south = items.as_ptr();
-    let north = south.wrapping_add(stride as usize);
-    let southern = |k| south.wrapping_add(place_alone(at, k).min(last)).cast();
-    let northern = |k| north.wrapping_add(place_alone(at, k).min(last)).cast();
-    // SAFETY: from each place on there is a row and two items.
-    unsafe {
-        [
-            [pairs(0, southern), pairs(0, northern)],
-            [pairs(8, southern), pairs(8, northern)],
-        ]
-    }
-}
-
-/// The western and the eastern items of pairs.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-fn apart([a, b]: Pairs) -> [__m256; 2] {
-    let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
-    [
-        _mm256_shuffle_ps::<0b10_00_10_00>(a, b),
-        _mm256_shuffle_ps::<0b11_01_11_01>(a, b),
-    ]
-}
-
-/// From `from` to `to` by a share in 15-bit fixed point.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-fn along(from: __m256i, to: __m256i, share: __m256i) -> __m256i {
-    _mm256_add_epi16(from, _mm256_mulhrs_epi16(_mm256_sub_epi16(to, from), share))
-}
-
-/// Blends eight lanes' four texels: a southern and a northern row of neighbours.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i {
-    let scale = _mm256_set1_ps(32767.0);
-    let east = _mm256_cvttps_epi32(_mm256_mul_ps(east, scale));
-    let north = _mm256_cvttps_epi32(_mm256_mul_ps(north, scale));
-    // In each half of a register: two lanes' western and eastern texels, 16 bits a channel, six of
-    // them a fraction; and weights of the lanes of either register of pairs, for each channel.
-    let west_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(
-        0, -1, 1, -1, 2, -1, 3, -1, 8, -1, 9, -1, 10, -1, 11, -1,
-    ));
-    let east_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(
-        4, -1, 5, -1, 6, -1, 7, -1, 12, -1, 13, -1, 14, -1, 15, -1,
-    ));
-    let spread = spread();
-    macro_rules! row {
-        ($pairs:expr, $share:expr) => {
-            along(
-                _mm256_slli_epi16::<6>(_mm256_shuffle_epi8($pairs, west_of)),
-                _mm256_slli_epi16::<6>(_mm256_shuffle_epi8($pairs, east_of)),
-                $share,
-            )
-        };
-    }
-    macro_rules! four {
-        ($k:expr) => {{
-            let east = _mm256_shuffle_epi8(east, spread[$k]);
-            let north = _mm256_shuffle_epi8(north, spread[$k]);
-            let blended = along(row!(south[$k], east), row!(north_row[$k], east), north);
-            _mm256_srli_epi16::<6>(_mm256_add_epi16(blended, _mm256_set1_epi16(32)))
-        }};
-    }
-    _mm256_packus_epi16(four!(0), four!(1))
-}
-
-/// Blends eight lanes' four texels: 16 bits a channel, six of them a fraction, in the order of
-/// `Pairs`.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-fn blend_by_six_bits(
-    [south, north_row]: [Pairs; 2],
-    east: __m256i,
-    north: __m256i,
-) -> [__m256i; 2] {
-    // The western texel's weight and, over it, the eastern one's.
-    let share = _mm256_srli_epi32::<9>(_mm256_add_epi32(east, _mm256_set1_epi32(256)));
-    let weights = _mm256_sub_epi32(_mm256_slli_epi32::<8>(share), share);
-    let weights = _mm256_add_epi32(weights, _mm256_set1_epi32(64));
-    let side_by_side = _mm256_broadcastsi128_si256(_mm_setr_epi8(
-        0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15,
-    ));
-    let spread = spread();
-    macro_rules! row {
-        ($pairs:expr, $weights:expr) => {
-            _mm256_maddubs_epi16(_mm256_shuffle_epi8($pairs, side_by_side), $weights)
-        };
-    }
-    macro_rules! four {
-        ($k:expr) => {{
-            let weights = _mm256_shuffle_epi8(weights, spread[$k]);
-            let [south, north_row] = [row!(south[$k], weights), row!(north_row[$k], weights)];
-            let rise = _mm256_sub_epi16(north_row, south);
-            let north = _mm256_shuffle_epi8(north, spread[$k]);
-            _mm256_add_epi16(south, _mm256_mulhrs_epi16(rise, north))
-        }};
-    }
-    [four!(0), four!(1)]
-}
-
-/// Where weights of the lanes of either register of pairs go: to each of their channels.
-#[target_feature(enable = "avx2,popcnt")]
-#[inline]
-fn spread() -> [__m256i; 2] {
-    [
-        _mm256_broadcastsi128_si256(_mm_setr_epi8(
-            0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5,
-        )),
-        _mm256_broadcastsi128_si256(_mm_setr_epi8(
-            8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13,
-        )),
-    ]
 }
 
 /// Columns for rows, of a square of eight: within halves of registers first, then whole halves.
@@ -435,9 +291,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn lerp_halves(self, a: I, b: I, share: I) -> I {
-        let way = on_halves!(_mm256_sub_epi16, b, a);
-        let part = on_halves!(_mm256_mulhrs_epi16, way, share);
-        on_halves!(_mm256_add_epi16, a, part)
+        on_halves!(along, a, b, share)
     }
     #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
