@@ -42,15 +42,17 @@ impl<'a> Canvas<'a> {
         ((LANES - past) % LANES) as u32
     }
 
-    /// Asks for the memory of pixels side by side from (i, j) on, to be written soon.
+    /// Where pixel (i, j) lies.
+    pub(crate) fn place(&self, [i, j]: [u32; 2]) -> usize {
+        j as usize * self.width + i as usize
+    }
+
+    /// Asks for the memory of the pixel at a place, and of those of its cache line, to be written
+    /// soon.
     #[inline(always)]
-    pub(crate) fn prefetch<L: Lanes>(&self, l: L, [i, j]: [u32; 2], count: usize) {
-        let from = j as usize * self.width + i as usize;
-        // A cache line has sixteen pixels.
-        for at in (from..from + count).step_by(LANES) {
-            l.prefetch_write(self.colour, at);
-            l.prefetch_write(self.depth, at);
-        }
+    pub(crate) fn prefetch<L: Lanes>(&self, l: L, at: usize) {
+        l.prefetch_write(self.colour, at);
+        l.prefetch_write(self.depth, at);
     }
 
     /// Sets pixels side by side, from (i, j) on: as many as there are depths.

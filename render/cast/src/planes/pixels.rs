@@ -22,6 +22,23 @@ pub(super) struct PixelBlock {
     shift: u32,
 }
 
+/// A step's way of asking for the memory of pixels: a line of the processor's cache for each sixteen
+/// lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// The place of the one for lane 0, and how much further the next lane's lies.
+    first: usize,
+    pitch: usize,
+}
+
+impl Asked {
+    /// Asks for the line of the sixteen lanes from `lane` on.
+    #[inline(always)]
+    pub(super) fn prefetch<L: Lanes>(&self, l: L, canvas: &Canvas<'_>, lane: i32) {
+        canvas.prefetch(l, self.first + lane as usize * self.pitch);
+    }
+}
+
 impl PixelBlock {
     /// Makes ready for a sector with so many lanes.
     pub(super) fn begin(&mut self, canvas: &Canvas<'_>, sector: &Sector, width: usize) {
@@ -43,24 +60,21 @@ impl PixelBlock {
         (step + self.shift) as usize % STEPS
     }
 
-    /// Asks for the memory of the pixels of a step, or of a sixteenth of the rows of sixteen.
+    /// What memory a step asks for when its rays set out: that of its own pixels, or of a sixteenth
+    /// of the rows of sixteen steps.
     #[inline(always)]
-    pub(super) fn prefetch<L: Lanes>(
-        &self,
-        l: L,
-        canvas: &Canvas<'_>,
-        sector: &Sector,
-        step: u32,
-        lanes: [i32; 2],
-    ) {
+    pub(super) fn asked(&self, canvas: &Canvas<'_>, sector: &Sector, step: u32) -> Asked {
         let at = sector.image_step(step);
         if sector.step_axis == 1 {
-            canvas.prefetch(l, [lanes[0] as u32, at], (lanes[1] - lanes[0]) as usize);
-            return;
-        }
-        let first = lanes[0] + self.slot(step) as i32;
-        for lane in (first..lanes[1]).step_by(STEPS) {
-            canvas.prefetch(l, [at, lane as u32], 1);
+            Asked {
+                first: canvas.place([0, at]),
+                pitch: 1,
+            }
+        } else {
+            Asked {
+                first: canvas.place([at, self.slot(step) as u32]),
+                pitch: canvas.place([0, 1]),
+            }
         }
     }
 

@@ -53,6 +53,7 @@ pub(super) const STEEP: f64 = 1e-10;
 pub(super) struct Aimed<L: Lanes> {
     /// As a [`Ray`](crate::planes::wave::Ray) has them.
     pub(super) advance: L::F,
+    pub(super) inverse: L::F,
     pub(super) slope: L::F,
     /// One over the directions' part along the major axis.
     pub(super) scale: L::F,
@@ -96,6 +97,8 @@ impl<L: Lanes> Aim<L> {
         let scale = l.div(l.splat(1.0), major);
         Aimed {
             advance: l.mul(minor, scale),
+            // Not one over the above: two divisions at once take as long as one.
+            inverse: l.div(major, minor),
             slope: l.mul(up, scale),
             scale,
         }

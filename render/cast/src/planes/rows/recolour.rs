@@ -82,12 +82,10 @@ impl<L: Lanes> March<'_, L> {
     ) {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
+        let asked = scratch.pixels.asked(canvas, self.sector, step);
         for (k, first) in (lanes[0]..lanes[1]).step_by(LANES).enumerate() {
             let at = self.slot(step) + MARGIN + first as usize;
-            let pixels = [first, lanes[1].min(first + LANES as i32)];
-            scratch
-                .pixels
-                .prefetch(l, canvas, self.sector, step, pixels);
+            asked.prefetch(l, canvas, first);
             let aimed = aim.at(l, self.directions.at(step, first));
             l.store(aimed.advance, group_mut(&mut scratch.advance, at));
             l.store(aimed.slope, group_mut(&mut scratch.slope, at));

@@ -60,22 +60,20 @@ impl<L: Lanes> March<'_, L> {
         let slot = self.slot(step);
         // Below 0 even where there is no ground at all.
         let tiny = l.splat(f32::MIN_POSITIVE);
+        let asked = scratch.pixels.asked(canvas, self.sector, step);
         let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
             let all = l.mask(first_lanes(count));
             // A few lines a group, long before they are written: many at once are waited for.
-            let pixels = [first, first + count];
-            scratch
-                .pixels
-                .prefetch(l, canvas, self.sector, step, pixels);
+            asked.prefetch(l, canvas, first);
             let Aimed {
                 advance,
+                inverse,
                 slope,
                 scale,
             } = aim.at(l, self.directions.at(step, first));
-            let inverse = l.div(one, advance);
             let mut leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
             let mut ok = l.and(all, l.lt(zero, leave));
             if above {

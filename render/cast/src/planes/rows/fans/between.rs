@@ -27,6 +27,7 @@ impl<L: Lanes> March<'_, L> {
     ) {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
+        let asked = scratch.pixels.asked(canvas, self.sector, step);
         let room = fan.room();
         let seen = &scratch.seen[(step - fan.from) as usize * room..][..room];
         let seen: &[i32] = bytemuck::cast_slice(seen);
@@ -41,10 +42,7 @@ impl<L: Lanes> March<'_, L> {
         let evens = l.load_i(&std::array::from_fn(|k| 2 * k as i32));
         let odds = l.add_i(evens, l.splat_i(1));
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
-            let pixels = [first, lanes[1].min(first + LANES as i32)];
-            scratch
-                .pixels
-                .prefetch(l, canvas, self.sector, step, pixels);
+            asked.prefetch(l, canvas, first);
             let direction = aim.directions(l, self.directions.at(step, first));
             let plane = fan.plane(step, f64::from(first));
             let base = plane as usize;
@@ -106,7 +104,7 @@ impl<L: Lanes> March<'_, L> {
             let (to_colours, to_depths) = scratch.pixels.lanes_mut(step, first);
             l.store_i(colour, group_mut(to_colours, 0));
             l.store(depth, group_mut(to_depths, 0));
-            for _ in pixels[0]..pixels[1] {
+            for _ in first..lanes[1].min(first + LANES as i32) {
                 tally.ray();
             }
         }
