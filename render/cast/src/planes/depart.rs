@@ -169,12 +169,6 @@ pub(super) fn depart<L: Lanes>(
                     ask(l, field, passage, at);
                 }
             }
-            for at in groups() {
-                if departure.masks[at / LANES] != 0 {
-                    let field = &fields[departure.levels[at / LANES] as usize];
-                    fetch(l, field, passage, at);
-                }
-            }
         },
     );
     l.vectorize(
@@ -247,7 +241,26 @@ fn lead_to_roofs<L: Lanes>(
     }
 }
 
+/// Fetches the posts of the cells of the group that begins at lane `at`, if there is one.
+#[inline(always)]
+fn fetch_group<L: Lanes>(
+    l: L,
+    fields: &[Field<'_>],
+    departure: &Departure,
+    count: usize,
+    passage: &mut Passage,
+    at: usize,
+) {
+    if at < count && departure.masks[at / LANES] != 0 {
+        let field = &fields[departure.levels[at / LANES] as usize];
+        fetch(l, field, passage, at);
+    }
+}
+
 /// Leads rays through their cells; those that go on join waves.
+///
+/// Each group's posts are fetched before the rays of the group in front are led: that reads and
+/// shuffles, this is one long chain of arithmetic, and a processor does both at once.
 #[inline(always)]
 fn lead_through_cells<L: Lanes>(
     l: L,
@@ -255,10 +268,12 @@ fn lead_through_cells<L: Lanes>(
     departure: &Departure,
     step: &Step<'_>,
     waves: &mut [Waves],
-    passage: &Passage,
+    passage: &mut Passage,
     reached: &mut [f32],
 ) {
+    fetch_group(l, fields, departure, step.count, passage, 0);
     for at in (0..step.count).step_by(LANES) {
+        fetch_group(l, fields, departure, step.count, passage, at + LANES);
         let mask = departure.masks[at / LANES];
         if mask == 0 {
             continue;
