@@ -201,13 +201,24 @@ impl<'a, T> SlabView<'a, T> {
     #[inline]
     #[must_use]
     pub fn from_place(&self, place: u32) -> &'a [T] {
+        let (begin, slot) = self.slot_at(place);
+        slot.get((place - begin) as usize..).unwrap_or_default()
+    }
+
+    /// Where the slot begins that `place` lies in, and its items; none where the view does not have
+    /// it.
+    #[inline]
+    #[must_use]
+    pub fn slot_at(&self, place: u32) -> (u32, &'a [T]) {
         // place / len without a division, which is slow: as the inverse is too small by less than 1,
         // the product is less than 2³² below (place + 1) / len · 2⁶⁴, so that whole quotients of
         // place + 1 drop to the one before and no others change.
-        let slot = (u128::from(u64::from(place) + 1) * u128::from(self.inverse)) >> 64;
-        let within = u64::from(place) - slot as u64 * self.slab.slot_len as u64;
-        let slot = self.slots.get(slot as usize).copied().unwrap_or_default();
-        slot.get(within as usize..).unwrap_or_default()
+        let number = (u128::from(u64::from(place) + 1) * u128::from(self.inverse)) >> 64;
+        let slot = self.slots.get(number as usize).copied();
+        (
+            number as u32 * self.slab.slot_len as u32,
+            slot.unwrap_or_default(),
+        )
     }
 
     /// Number of items, of the view and others.

@@ -40,14 +40,39 @@ fn close_up<T: Copy>(mut bits: u16, value: [T; LANES], to: &mut [T; LANES]) {
     }
 }
 
-/// The first item of each row of a cell and the one behind it; zeros where there is no such cell.
-#[inline(always)]
-fn cell<T: Copy + Default>(items: &SlabView<'_, T>, at: i32, stride: u32) -> [T; 4] {
-    let tile = items.from_place(at as u32);
-    let next = stride as usize;
-    match (tile.get(..2), tile.get(next..next + 2)) {
-        (Some(south), Some(north)) => [south[0], south[1], north[0], north[1]],
-        _ => [T::default(); 4],
+/// Reads cells one after another, most of which lie in the slot of the one before.
+struct Cells<'a, T> {
+    items: &'a SlabView<'a, T>,
+    stride: usize,
+    begin: u32,
+    slot: &'a [T],
+}
+
+impl<'a, T: Copy + Default> Cells<'a, T> {
+    #[inline(always)]
+    fn of(items: &'a SlabView<'a, T>, stride: u32) -> Self {
+        Self {
+            items,
+            stride: stride as usize,
+            begin: 0,
+            slot: &[],
+        }
+    }
+
+    /// The first item of each row of the cell at a place and the one behind it; zeros where there is
+    /// no such cell.
+    #[inline(always)]
+    fn at(&mut self, place: i32) -> [T; 4] {
+        let place = place as u32;
+        if place.wrapping_sub(self.begin) as usize >= self.slot.len() {
+            (self.begin, self.slot) = self.items.slot_at(place);
+        }
+        let first = place.wrapping_sub(self.begin) as usize;
+        let row = |from: usize| self.slot.get(from..from + 2);
+        match (row(first), row(first + self.stride)) {
+            (Some(south), Some(north)) => [south[0], south[1], north[0], north[1]],
+            _ => [T::default(); 4],
+        }
     }
 }
 
@@ -116,7 +141,13 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn select(self, mask: M, yes: F, no: F) -> F {
-        each(|k| f32::from_bits((yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k])))
+        // A loop, as closures of `each` are sometimes called for each lane.
+        let mut chosen = no;
+        for k in 0..LANES {
+            let bits = (yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k]);
+            chosen[k] = f32::from_bits(bits);
+        }
+        chosen
     }
 
     #[inline(always)]
@@ -217,7 +248,11 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn select_i(self, mask: M, yes: I, no: I) -> I {
-        each(|k| (yes[k] & mask[k] as i32) | (no[k] & !mask[k] as i32))
+        let mut chosen = no;
+        for k in 0..LANES {
+            chosen[k] = (yes[k] & mask[k] as i32) | (no[k] & !mask[k] as i32);
+        }
+        chosen
     }
     #[inline(always)]
     fn add_i_where(self, mask: M, a: I, b: I) -> I {
@@ -291,9 +326,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
         let mut lanes = [[0.0; LANES]; 4];
+        let mut cells = Cells::of(posts, stride);
         for k in 0..LANES {
-            let cell = cell(posts, at[k], stride);
-            for (lanes, post) in lanes.iter_mut().zip(cell) {
+            for (lanes, post) in lanes.iter_mut().zip(cells.at(at[k])) {
                 lanes[k] = post;
             }
         }
@@ -302,9 +337,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn byte_cells(self, bytes: &SlabView<'_, u8>, at: I, stride: u32) -> [F; 4] {
         let mut lanes = [[0.0; LANES]; 4];
+        let mut cells = Cells::of(bytes, stride);
         for k in 0..LANES {
-            let cell = cell(bytes, at[k], stride);
-            for (lanes, byte) in lanes.iter_mut().zip(cell) {
+            for (lanes, byte) in lanes.iter_mut().zip(cells.at(at[k])) {
                 lanes[k] = f32::from(byte);
             }
         }
@@ -312,12 +347,18 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
-        [0, 1].map(|number| {
-            each(|k| {
-                let found = pairs.from_place(at[k] as u32).first();
-                found.map_or(0, |pair| pair[number] as i32)
-            })
-        })
+        let mut lanes = [[0; LANES]; 2];
+        let (mut begin, mut slot) = (0, &[][..]);
+        for k in 0..LANES {
+            let place = at[k] as u32;
+            if place.wrapping_sub(begin) as usize >= slot.len() {
+                (begin, slot) = pairs.slot_at(place);
+            }
+            let pair = slot.get(place.wrapping_sub(begin) as usize);
+            let [first, second] = pair.copied().unwrap_or_default();
+            [lanes[0][k], lanes[1][k]] = [first as i32, second as i32];
+        }
+        lanes
     }
     #[inline(always)]
     fn pick(self, table: I, at: I) -> I {
@@ -346,9 +387,10 @@ impl Lanes for Portable {
         let [east, north] =
             [east, north].map(|share| self.to_int(self.mul(share, self.splat(32767.0))));
         let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
+        let mut cells = Cells::of(texels, stride);
         for k in 0..LANES {
             let channels = 4 * k..4 * k + 4;
-            for (to, texel) in corners.iter_mut().zip(cell(texels, at[k], stride)) {
+            for (to, texel) in corners.iter_mut().zip(cells.at(at[k])) {
                 to[channels.clone()].copy_from_slice(&texel);
             }
             easts[channels.clone()].fill(east[k] as i16);
@@ -367,9 +409,10 @@ impl Lanes for Portable {
         let blended = |of: Texels<'_, Self>| {
             let mut corners = [[0; 4 * LANES]; 4];
             let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
+            let mut cells = Cells::of(texels, stride);
             for k in 0..LANES {
                 let channels = 4 * k..4 * k + 4;
-                for (to, texel) in corners.iter_mut().zip(cell(texels, of.at[k], stride)) {
+                for (to, texel) in corners.iter_mut().zip(cells.at(of.at[k])) {
                     to[channels.clone()].copy_from_slice(&texel);
                 }
                 easts[channels.clone()].fill((of.east[k].wrapping_add(256) >> 9) as i16);
