@@ -133,6 +133,17 @@ fn transposed(rows: [__m256i; 8]) -> [__m256i; 8] {
     columns
 }
 
+/// The lanes of a group that the last four bits of eight lanes name.
+#[target_feature(enable = "avx2,popcnt")]
+#[inline]
+fn picked([low, high]: I, at: __m256i) -> __m256i {
+    let low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(low, at));
+    let high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(high, at));
+    // The fourth bit, where a sign is, tells the halves apart.
+    let which = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at));
+    _mm256_castps_si256(_mm256_blendv_ps(low, high, which))
+}
+
 impl Lanes for Avx2 {
     type F = F;
     type I = I;
@@ -478,32 +489,29 @@ impl Lanes for Avx2 {
         let address = |k| from.wrapping_add(place_alone(at, k).min(last)).cast();
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [low, high] = [apart(pairs(0, address)), apart(pairs(8, address))];
-            [0, 1].map(|k| [_mm256_castps_si256(low[k]), _mm256_castps_si256(high[k])])
+            let [first_low, second_low] = apart(pairs(0, address));
+            let [first_high, second_high] = apart(pairs(8, address));
+            [
+                [
+                    _mm256_castps_si256(first_low),
+                    _mm256_castps_si256(first_high),
+                ],
+                [
+                    _mm256_castps_si256(second_low),
+                    _mm256_castps_si256(second_high),
+                ],
+            ]
         }
     }
 
     #[inline(always)]
     fn pick(self, table: I, at: I) -> I {
-        at.map(
-            #[inline(always)]
-            |at| {
-                on_values!({
-                    let [low, high] = table.map(
-                        #[inline(always)]
-                        |half| _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(half, at)),
-                    );
-                    // The fourth bit, where a sign is, tells the halves apart.
-                    let which = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at));
-                    _mm256_castps_si256(_mm256_blendv_ps(low, high, which))
-                })
-            },
-        )
+        on_values!([picked(table, at[0]), picked(table, at[1])])
     }
 
     #[inline(always)]
     fn among(self, table: [I; 2], at: I) -> I {
-        let [low, high] = table.map(|group| self.pick(group, at));
+        let (low, high) = (self.pick(table[0], at), self.pick(table[1], at));
         let which = self.gt_i(self.and_i(at, self.splat_i(16)), self.splat_i(0));
         self.select_i(which, high, low)
     }

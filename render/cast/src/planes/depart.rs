@@ -216,10 +216,10 @@ fn lead_to_roofs<L: Lanes>(
         let to = approach(l, field, &ray, t, cell, finest, place);
         let mask = l.mask(high);
         let t = l.select(mask, to.t, t);
-        let cell = [0, 1].map(
-            #[inline(always)]
-            |axis| l.select_i(mask, to.cell[axis], cell[axis]),
-        );
+        let cell = [
+            l.select_i(mask, to.cell[0], cell[0]),
+            l.select_i(mask, to.cell[1], cell[1]),
+        ];
         l.store(t, group_mut(&mut departure.t, at));
         departure.put_cell(l, at, cell);
         let left = l.and_not(mask, l.lt(t, ray.leave));

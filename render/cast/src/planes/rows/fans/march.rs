@@ -6,6 +6,7 @@ use super::fan::Fan;
 use super::rays::Rays;
 use super::sight::{SAME, Sight};
 use crate::lanes::{LANES, Lanes};
+use crate::planes::field::Field;
 use crate::planes::profile::{PASSED, ceiling};
 
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
@@ -128,19 +129,12 @@ impl<L: Lanes> March<'_, L> {
             }
             if field.major.is_block(line) {
                 if is_idle {
-                    let passes = |level: usize| {
-                        let ceilings = [
-                            ceiling(field, &left.planes, line, level)?,
-                            ceiling(field, &right.planes, line, level)?,
-                        ];
-                        let behind = line + (1 << level);
-                        let end = (behind as f32 - field.major.fraction) * field.scale;
-                        let are_hidden = end <= at.limit
-                            && left.hides(l, ceilings[0], [t, end])
-                            && right.hides(l, ceilings[1], [t, end]);
-                        are_hidden.then_some(behind)
-                    };
-                    if let Some(behind) = PASSED.into_iter().find_map(passes) {
+                    // Apart, and made for the instruction set: it is seldom asked for.
+                    let passed = l.vectorize(
+                        #[inline(always)]
+                        || passed(l, field, [left, right], line, t, at.limit),
+                    );
+                    if let Some(behind) = passed {
                         line = behind;
                         t = (line as f32 - field.major.fraction) * field.scale;
                         left.skip_to(l, field, line, t);
@@ -178,4 +172,30 @@ impl<L: Lanes> March<'_, L> {
             t = end;
         }
     }
+}
+
+/// Behind which line planes are that pass, at the mirrored line `line` in `t`, the largest blocks
+/// that end before `limit` and whose ground is hidden from all of them.
+#[inline(always)]
+fn passed<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    [left, right]: [&Sight<L>; 2],
+    line: i32,
+    t: f32,
+    limit: f32,
+) -> Option<i32> {
+    for level in PASSED {
+        let behind = line + (1 << level);
+        let end = (behind as f32 - field.major.fraction) * field.scale;
+        if end <= limit
+            && let Some(ceiling_left) = ceiling(field, &left.planes, line, level)
+            && let Some(ceiling_right) = ceiling(field, &right.planes, line, level)
+            && left.hides(l, ceiling_left, [t, end])
+            && right.hides(l, ceiling_right, [t, end])
+        {
+            return Some(behind);
+        }
+    }
+    None
 }
