@@ -40,36 +40,48 @@ fn close_up<T: Copy>(mut bits: u16, value: [T; LANES], to: &mut [T; LANES]) {
     }
 }
 
-/// Reads cells one after another, most of which lie in the slot of the one before.
-struct Cells<'a, T> {
+/// Reads places one after another, most of which lie in the slot of the one before.
+struct Cursor<'a, T> {
     items: &'a SlabView<'a, T>,
-    stride: usize,
     begin: u32,
     slot: &'a [T],
 }
 
-impl<'a, T: Copy + Default> Cells<'a, T> {
+impl<'a, T: Copy + Default> Cursor<'a, T> {
     #[inline(always)]
-    fn of(items: &'a SlabView<'a, T>, stride: u32) -> Self {
+    fn new(items: &'a SlabView<'a, T>) -> Self {
         Self {
             items,
-            stride: stride as usize,
             begin: 0,
             slot: &[],
         }
     }
 
-    /// The first item of each row of the cell at a place and the one behind it; zeros where there is
-    /// no such cell.
+    /// Goes to a place's slot; gives where in it the place is.
     #[inline(always)]
-    fn at(&mut self, place: i32) -> [T; 4] {
+    fn seek(&mut self, place: i32) -> usize {
         let place = place as u32;
         if place.wrapping_sub(self.begin) as usize >= self.slot.len() {
             (self.begin, self.slot) = self.items.slot_at(place);
         }
-        let first = place.wrapping_sub(self.begin) as usize;
+        place.wrapping_sub(self.begin) as usize
+    }
+
+    /// The item at a place; zeros where there is none.
+    #[inline(always)]
+    fn item(&mut self, place: i32) -> T {
+        let at = self.seek(place);
+        self.slot.get(at).copied().unwrap_or_default()
+    }
+
+    /// The first item of each row of the cell at a place and the one behind it; zeros where there is
+    /// no such cell.
+    #[inline(always)]
+    fn cell(&mut self, place: i32, stride: u32) -> [T; 4] {
+        let south = self.seek(place);
+        let north = south + stride as usize;
         let row = |from: usize| self.slot.get(from..from + 2);
-        match (row(first), row(first + self.stride)) {
+        match (row(south), row(north)) {
             (Some(south), Some(north)) => [south[0], south[1], north[0], north[1]],
             _ => [T::default(); 4],
         }
@@ -326,9 +338,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
         let mut lanes = [[0.0; LANES]; 4];
-        let mut cells = Cells::of(posts, stride);
+        let mut cursor = Cursor::new(posts);
         for k in 0..LANES {
-            for (lanes, post) in lanes.iter_mut().zip(cells.at(at[k])) {
+            for (lanes, post) in lanes.iter_mut().zip(cursor.cell(at[k], stride)) {
                 lanes[k] = post;
             }
         }
@@ -337,9 +349,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn byte_cells(self, bytes: &SlabView<'_, u8>, at: I, stride: u32) -> [F; 4] {
         let mut lanes = [[0.0; LANES]; 4];
-        let mut cells = Cells::of(bytes, stride);
+        let mut cursor = Cursor::new(bytes);
         for k in 0..LANES {
-            for (lanes, byte) in lanes.iter_mut().zip(cells.at(at[k])) {
+            for (lanes, byte) in lanes.iter_mut().zip(cursor.cell(at[k], stride)) {
                 lanes[k] = f32::from(byte);
             }
         }
@@ -348,14 +360,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
         let mut lanes = [[0; LANES]; 2];
-        let (mut begin, mut slot) = (0, &[][..]);
+        let mut cursor = Cursor::new(pairs);
         for k in 0..LANES {
-            let place = at[k] as u32;
-            if place.wrapping_sub(begin) as usize >= slot.len() {
-                (begin, slot) = pairs.slot_at(place);
-            }
-            let pair = slot.get(place.wrapping_sub(begin) as usize);
-            let [first, second] = pair.copied().unwrap_or_default();
+            let [first, second] = cursor.item(at[k]);
             [lanes[0][k], lanes[1][k]] = [first as i32, second as i32];
         }
         lanes
@@ -387,10 +394,10 @@ impl Lanes for Portable {
         let [east, north] =
             [east, north].map(|share| self.to_int(self.mul(share, self.splat(32767.0))));
         let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
-        let mut cells = Cells::of(texels, stride);
+        let mut cursor = Cursor::new(texels);
         for k in 0..LANES {
             let channels = 4 * k..4 * k + 4;
-            for (to, texel) in corners.iter_mut().zip(cells.at(at[k])) {
+            for (to, texel) in corners.iter_mut().zip(cursor.cell(at[k], stride)) {
                 to[channels.clone()].copy_from_slice(&texel);
             }
             easts[channels.clone()].fill(east[k] as i16);
@@ -409,10 +416,10 @@ impl Lanes for Portable {
         let blended = |of: Texels<'_, Self>| {
             let mut corners = [[0; 4 * LANES]; 4];
             let (mut easts, mut norths) = ([0; 4 * LANES], [0; 4 * LANES]);
-            let mut cells = Cells::of(texels, stride);
+            let mut cursor = Cursor::new(texels);
             for k in 0..LANES {
                 let channels = 4 * k..4 * k + 4;
-                for (to, texel) in corners.iter_mut().zip(cells.at(of.at[k])) {
+                for (to, texel) in corners.iter_mut().zip(cursor.cell(of.at[k], stride)) {
                     to[channels.clone()].copy_from_slice(&texel);
                 }
                 easts[channels.clone()].fill((of.east[k].wrapping_add(256) >> 9) as i16);
