@@ -19,6 +19,7 @@ pub(super) struct Departure {
     minor: [i32; CHUNK],
     /// For each group, the number of the resolution that its rays are in; which of them set out
     /// here; and which of those are led to the roofs of their blocks first.
+    firsts: [u32; CHUNK / LANES],
     levels: [u16; CHUNK / LANES],
     masks: [u16; CHUNK / LANES],
     high: [u16; CHUNK / LANES],
@@ -32,6 +33,7 @@ impl Default for Departure {
             t: [0.0; CHUNK],
             major: [0; CHUNK],
             minor: [0; CHUNK],
+            firsts: [0; CHUNK / LANES],
             levels: [0; CHUNK / LANES],
             masks: [0; CHUNK / LANES],
             high: [0; CHUNK / LANES],
@@ -54,7 +56,8 @@ pub(super) struct Departing<L: Lanes> {
 impl Departure {
     /// Forgets the rays of the group that begins at lane `at`.
     #[inline(always)]
-    pub(super) fn clear(&mut self, at: usize) {
+    pub(super) fn clear(&mut self, at: usize, first: usize) {
+        self.firsts[at / LANES] = first as u32;
         self.masks[at / LANES] = 0;
         self.high[at / LANES] = 0;
     }
@@ -68,11 +71,11 @@ impl Departure {
     /// For each group of the first `count` lanes, those led to roofs and those led through cells,
     /// once all have set out.
     #[inline(always)]
-    pub(super) fn led(&self, count: usize) -> impl Iterator<Item = [u16; 2]> {
-        let groups = self.high.iter().zip(&self.masks);
+    pub(super) fn led(&self, count: usize) -> impl Iterator<Item = (u32, [u16; 2])> {
+        let groups = self.high.iter().zip(&self.masks).zip(&self.firsts);
         groups
             .take(count.div_ceil(LANES))
-            .map(|(&high, &low)| [high, low])
+            .map(|((&high, &low), &first)| (first, [high, low]))
     }
 
     /// Takes `rays` as the group that begins at lane `at`.
@@ -104,8 +107,7 @@ impl Departure {
 
 /// The lanes of a step that set out together, among all numbers that are kept of it.
 pub(super) struct Step<'a> {
-    /// The number of the first lane, and how many lanes there are.
-    pub(super) first: usize,
+    /// How many lanes there are.
     pub(super) count: usize,
     pub(super) advance: &'a [f32],
     pub(super) slope: &'a [f32],
@@ -115,7 +117,7 @@ impl Step<'_> {
     /// The rays of a group, over the ground as `field` has it.
     #[inline(always)]
     fn ray<L: Lanes>(&self, l: L, field: &Field<'_>, departure: &Departure, at: usize) -> Ray<L> {
-        let id = self.first + at;
+        let id = departure.firsts[at / LANES] as usize;
         let numbers = l.load_i(&std::array::from_fn(|k| k as i32));
         Ray {
             advance: l.load(group(self.advance, id)),
@@ -289,7 +291,7 @@ fn lead_through_cells<L: Lanes>(
         let met = meet(l, field, &ray, t, cell, passage, at);
         let mask = l.mask(mask);
         let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
-        let reached = group_mut(reached, step.first + at);
+        let reached = group_mut(reached, departure.firsts[at / LANES] as usize);
         let hit_t = l.mul(met.hit_t, l.splat(field.scale));
         l.store(l.select(hit, hit_t, l.load(reached)), reached);
         let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);

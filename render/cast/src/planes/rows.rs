@@ -88,7 +88,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 #[inline(always)]
                 || march.set_out(step, chunk, canvas, scratch, tally),
             );
-            march.depart(step, chunk, scratch, tally);
+            march.depart(chunk, scratch, tally);
             march.go_on(scratch, UNFINISHED, tally);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
@@ -247,15 +247,13 @@ impl<'a, L: Lanes> March<'a, L> {
     }
 
     /// Leads a chunk's rays that set out side by side on their first way.
-    fn depart<T: Tally>(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
-        let first = self.slot(step) + MARGIN + lanes[0] as usize;
+    fn depart<T: Tally>(&self, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
         let count = (lanes[1] - lanes[0]) as usize;
         depart(
             self.l,
             &self.fields,
             &mut scratch.departure,
             &Step {
-                first,
                 count,
                 advance: &scratch.advance,
                 slope: &scratch.slope,
@@ -264,7 +262,7 @@ impl<'a, L: Lanes> March<'a, L> {
             &mut scratch.passage,
             &mut scratch.reached,
         );
-        for (at, led) in (first..).step_by(LANES).zip(scratch.departure.led(count)) {
+        for (at, led) in scratch.departure.led(count) {
             for rays in led {
                 tally.cells_of(at as i32, rays);
             }

@@ -93,7 +93,7 @@ impl<L: Lanes> March<'_, L> {
             let nothing = l.sub(zero, l.max(leave, tiny));
             l.store(nothing, group_mut(&mut scratch.reached, at));
             let in_chunk = (first - lanes[0]) as usize;
-            scratch.departure.clear(in_chunk);
+            scratch.departure.clear(in_chunk, at);
             let ray = Ray {
                 advance,
                 inverse,
