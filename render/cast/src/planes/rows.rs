@@ -20,7 +20,7 @@ use super::depart::{Step, depart};
 use super::field::{Axis, Field};
 use super::footprint::Around;
 use super::frame::Frame;
-use super::sectors::Sector;
+use super::sectors::{AHEAD, Sector};
 use super::shade::{Chunk, Shader};
 use super::walk::walk;
 use super::wave::{CHUNK, Waves};
@@ -66,6 +66,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
     let mut shaded = 0;
+    let mut lanes_ahead = [[0; 2]; AHEAD];
     for step in 0..sector.steps {
         if step > 0 && frame.detail.is_some() && march.is_far(step - 1, scratch) {
             march.go_on(scratch, 0, tally);
@@ -80,7 +81,13 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             march.go_on(scratch, 0, tally);
             shaded = march.shade(&shader, canvas, scratch, shaded, step - lag);
         }
-        let lanes = sector.lanes(step);
+        if step.is_multiple_of(AHEAD as u32) {
+            lanes_ahead = l.vectorize(
+                #[inline(always)]
+                || sector.lanes_from(step),
+            );
+        }
+        let lanes = lanes_ahead[step as usize % AHEAD];
         scratch.lanes[step as usize % MEMORY] = lanes;
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];

@@ -19,6 +19,12 @@ impl Line {
     }
 }
 
+/// A float to which those below 2^31 are added to be rounded to whole numbers.
+const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// Steps of which it is found at once which pixels they have.
+pub(super) const AHEAD: usize = 8;
+
 /// One side of a line through the vanishing point of the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side {
@@ -65,53 +71,67 @@ impl Sector {
     }
 
     fn has_pixels(&self) -> bool {
-        let mut lanes = (0..self.steps).map(|k| self.lanes(k));
-        lanes.any(|[from, to]| from < to)
+        (0..self.steps).step_by(AHEAD).any(|k| {
+            let ahead = self.lanes_from::<AHEAD>(k);
+            let mut lanes = ahead.iter().take((self.steps - k) as usize);
+            lanes.any(|[from, to]| from < to)
+        })
     }
 
     /// The pixels of step `k`, from the first to behind the last, along the image's other axis.
     pub(super) fn lanes(&self, k: u32) -> [i32; 2] {
-        let step = f64::from(self.first_step + self.direction * k as i32);
-        let lane_axis = 1 - self.step_axis;
-        let (mut from, mut to) = (0, self.width);
+        let [lanes] = self.lanes_from(k);
+        lanes
+    }
+
+    /// The pixels of `N` steps from the `k`-th on, whether there are so many or not: side by side,
+    /// in floats and without branches.
+    #[inline(always)]
+    pub(super) fn lanes_from<const N: usize>(&self, k: u32) -> [[i32; 2]; N] {
+        let width = f64::from(self.width);
+        let mut steps = [0.0; N];
+        for (n, step) in steps.iter_mut().enumerate() {
+            *step = f64::from(self.first_step + self.direction * (k as i32 + n as i32));
+        }
+        let (mut from, mut to) = ([0.0; N], [width; N]);
         for side in &self.sides {
-            let slope = side.line.along[lane_axis];
-            let by_step = side.line.along[self.step_axis] * step;
-            // `Line::at`, to the last bit.
-            let holds = |lane: i32| {
-                let by_lane = slope * f64::from(lane);
-                let value = if lane_axis == 0 {
-                    (side.line.at_origin + by_lane) + by_step
-                } else {
-                    (side.line.at_origin + by_step) + by_lane
-                };
-                (value >= 0.0) == side.positive
-            };
-            // Sides run straight: one that holds for the outer pixels cuts nothing off.
-            if from >= to || (holds(from) && holds(to - 1)) {
-                continue;
-            }
-            if slope == 0.0 {
-                return [0, 0];
-            }
-            // About where the side changes; a pixel belongs to that side where its own value is,
-            // whichever way it is asked for. That is next to there, as values are rounded by far
-            // less than a pixel's change: counting takes no branches, which nobody could foretell.
-            let value = side.line.at_origin + by_step;
-            let about = (-value / slope).clamp(0.0, f64::from(self.width)) as i32;
+            let lane_axis = 1 - self.step_axis;
+            let (at_origin, along) = (side.line.at_origin, side.line.along);
+            let slope = along[lane_axis];
             let begins = (slope > 0.0) == side.positive;
-            let around = about - 1..about + 3;
-            let before: i32 = around.map(|lane| i32::from(holds(lane) != begins)).sum();
-            let at = (about - 1 + before).clamp(0, self.width);
-            debug_assert!(at == 0 || holds(at - 1) != begins);
-            debug_assert!(at == self.width || holds(at) == begins);
-            if begins {
-                from = from.max(at);
-            } else {
-                to = to.min(at);
+            // On a side of a line along steps lies all of a step or nothing.
+            let inverse = if slope == 0.0 { 0.0 } else { -1.0 / slope };
+            for n in 0..N {
+                let by_step = along[self.step_axis] * steps[n];
+                // `Line::at`, to the last bit.
+                let holds = |lane: f64| {
+                    let by_lane = slope * lane;
+                    let (first, then) = if lane_axis == 0 {
+                        (by_lane, by_step)
+                    } else {
+                        (by_step, by_lane)
+                    };
+                    ((at_origin + first) + then >= 0.0) == side.positive
+                };
+                // About where the side changes; a pixel belongs to that side where its own value
+                // is, whichever way it is asked for. That is next to there, as values are rounded
+                // by far less than a pixel's change.
+                let about = (at_origin + by_step) * inverse;
+                let about = (about.max(0.0).min(width) - 0.5 + WHOLE) - WHOLE;
+                let mut at = about - 1.0;
+                for near in [-1.0, 0.0, 1.0, 2.0] {
+                    at += if holds(about + near) == begins { 0.0 } else { 1.0 };
+                }
+                let none = if holds(0.0) == begins { 0.0 } else { width };
+                let at = if slope == 0.0 { none } else { at };
+                if begins {
+                    from[n] = at.max(from[n]);
+                } else {
+                    to[n] = at.min(to[n]);
+                }
             }
         }
-        [from, to.max(from)]
+        std::array::from_fn(|n| [from[n] as i32, to[n].max(from[n]) as i32])
     }
 }
 

@@ -38,7 +38,7 @@ impl<L: Lanes> March<'_, L> {
         steepest: f64,
         most: usize,
     ) -> Option<Predecessor> {
-        let ends = [first, last].map(|lane| self.directions.at(step, lane));
+        let ends = [self.directions.at(step, first), self.directions.at(step, last)];
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
         let Directions {
             step: u, lane: v, ..
@@ -89,7 +89,7 @@ impl<L: Lanes> March<'_, L> {
         }
         let before = self.slot(before) + MARGIN;
         let reached = |lane: i32| scratch.reached[before + lane.clamp(from, to - 1) as usize].abs();
-        let [first, last] = ends.map(reached);
+        let [first, last] = [reached(ends[0]), reached(ends[1])];
         let d = self.directions.at(step, ends[0]);
         let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
         let covered = (first.min(last) * width).max(1.0);
