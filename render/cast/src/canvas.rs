@@ -76,29 +76,30 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Sets pixels side by side, from (i, j) on; depths as bits.
+    /// Sets the pixels of a square of which the upper left one is (i, j), a row in each group of
+    /// lanes; depths as bits.
     ///
     /// # Safety
     /// As `set_row`.
     #[allow(unsafe_code, reason = "many pixels a store, where `set` has one")]
-    #[inline]
-    pub(crate) unsafe fn set_group<const N: usize>(
+    #[inline(always)]
+    pub(crate) unsafe fn set_square<L: Lanes>(
         &self,
-        [i, j]: [u32; 2],
-        colours: &[i32; N],
-        depths: &[i32; N],
+        l: L,
+        pixel: [u32; 2],
+        colours: [L::I; LANES],
+        depths: [L::I; LANES],
     ) {
-        let from = j as usize * self.width + i as usize;
-        let colour = &self.colour[from..from + N];
-        let depth = &self.depth[from..from + N];
-        // SAFETY: as in `set_row`.
-        unsafe {
-            AtomicU32::as_ptr(&colour[0])
-                .cast::<[i32; N]>()
-                .write_unaligned(*colours);
-            AtomicU32::as_ptr(&depth[0])
-                .cast::<[i32; N]>()
-                .write_unaligned(*depths);
+        let from = self.place(pixel);
+        let numbers = from..from + (LANES - 1) * self.width + LANES;
+        for (pixels, rows) in [(self.colour, colours), (self.depth, depths)] {
+            let first = AtomicU32::as_ptr(&pixels[numbers.clone()][0]);
+            for (k, row) in rows.into_iter().enumerate() {
+                // SAFETY: the row lies within `numbers`, its cells can be changed through a shared
+                // reference, and by the caller's promise there is no race.
+                let to = unsafe { &mut *first.add(k * self.width).cast::<[i32; LANES]>() };
+                l.store_i(row, to);
+            }
         }
     }
 }

@@ -132,17 +132,20 @@ impl PixelBlock {
         for lane in (from..to).step_by(LANES) {
             let last = lane + LANES as i32 - 1;
             let whole = |lanes: &[i32; 2]| lanes[0] <= lane && last < lanes[1];
-            let rows = self.rows(l, sector, lane);
+            let [colours, depths] = self.rows(l, sector, lane);
             if self.lanes.len() == STEPS && self.lanes.iter().all(whole) {
-                let left = self.left(sector, 0, STEPS);
-                for (k, [colours, depths]) in rows.iter().enumerate() {
-                    // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-                    #[allow(unsafe_code, reason = "as `Canvas::set_group` says")]
-                    unsafe {
-                        canvas.set_group([left, lane as u32 + k as u32], colours, depths);
-                    }
+                let corner = [self.left(sector, 0, STEPS), lane as u32];
+                // SAFETY: each pixel belongs to one sector, and a sector to one thread.
+                #[allow(unsafe_code, reason = "as `Canvas::set_square` says")]
+                unsafe {
+                    canvas.set_square(l, corner, colours, depths);
                 }
             } else {
+                let mut rows = [[[0; STEPS]; 2]; LANES];
+                for (k, [colour, depth]) in rows.iter_mut().enumerate() {
+                    l.store_i(colours[k], colour);
+                    l.store_i(depths[k], depth);
+                }
                 self.write_part(l, canvas, sector, lane, &rows);
             }
         }
@@ -151,7 +154,7 @@ impl PixelBlock {
     /// Colours and depths of all steps' pixels in as many lanes from `lane` on: a row of the image
     /// for each lane, whether its pixels are there or not.
     #[inline(always)]
-    fn rows<L: Lanes>(&self, l: L, sector: &Sector, lane: i32) -> [[[i32; STEPS]; 2]; LANES] {
+    fn rows<L: Lanes>(&self, l: L, sector: &Sector, lane: i32) -> [[L::I; LANES]; 2] {
         let (mut colours, mut depths) = ([l.splat_i(0); STEPS], [l.splat_i(0); STEPS]);
         for k in 0..STEPS {
             let slot = if sector.direction > 0 {
@@ -163,13 +166,7 @@ impl PixelBlock {
             colours[k] = l.load_i(group(&self.colours, at));
             depths[k] = l.load_i(group(bytemuck::cast_slice(&self.depths), at));
         }
-        let (colours, depths) = (l.transpose(colours), l.transpose(depths));
-        let mut rows = [[[0; STEPS]; 2]; LANES];
-        for (k, [colour, depth]) in rows.iter_mut().enumerate() {
-            l.store_i(colours[k], colour);
-            l.store_i(depths[k], depth);
-        }
-        rows
+        [l.transpose(colours), l.transpose(depths)]
     }
 
     /// Writes those of a square's pixels that are there.
