@@ -69,9 +69,9 @@ impl<'a> Canvas<'a> {
         // SAFETY: the cells can be changed through a shared reference, both sides have `count`
         // items of four bytes, and by the caller's promise there is no race.
         unsafe {
-            let to = AtomicU32::as_ptr(&colour[0]).cast::<i32>();
+            let to = colour.as_ptr().cast_mut().cast::<i32>();
             to.copy_from_nonoverlapping(colours.as_ptr(), count);
-            let to = AtomicU32::as_ptr(&depth[0]).cast::<f32>();
+            let to = depth.as_ptr().cast_mut().cast::<f32>();
             to.copy_from_nonoverlapping(depths.as_ptr(), count);
         }
     }
@@ -93,11 +93,11 @@ impl<'a> Canvas<'a> {
         let from = self.place(pixel);
         let numbers = from..from + (LANES - 1) * self.width + LANES;
         for (pixels, rows) in [(self.colour, colours), (self.depth, depths)] {
-            let first = AtomicU32::as_ptr(&pixels[numbers.clone()][0]);
+            let first = pixels[numbers.clone()].as_ptr();
             for (k, row) in rows.into_iter().enumerate() {
                 // SAFETY: the row lies within `numbers`, its cells can be changed through a shared
                 // reference, and by the caller's promise there is no race.
-                let to = unsafe { &mut *first.add(k * self.width).cast::<[i32; LANES]>() };
+                let to = unsafe { &mut *first.add(k * self.width).cast_mut().cast() };
                 l.store_i(row, to);
             }
         }

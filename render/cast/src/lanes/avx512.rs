@@ -90,11 +90,7 @@ fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
 /// are moved to it. One comparison for all lanes takes less time than one each.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-fn bounded<'a>(
-    at: &'a [i32; LANES],
-    last: usize,
-    moved: &'a mut [i32; LANES],
-) -> &'a [i32; LANES] {
+fn bounded<'a>(at: &'a [i32; LANES], last: usize, moved: &'a mut [i32; LANES]) -> &'a [i32; LANES] {
     let bound = u32::try_from(last).unwrap_or(u32::MAX);
     // SAFETY: a reference can be read.
     let places = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };

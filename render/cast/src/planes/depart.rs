@@ -17,8 +17,9 @@ pub(super) struct Departure {
     t: [f32; CHUNK],
     major: [i32; CHUNK],
     minor: [i32; CHUNK],
-    /// For each group, the number of the resolution that its rays are in; which of them set out
-    /// here; and which of those are led to the roofs of their blocks first.
+    /// For each group, where its first lane lies among all numbers that are kept of steps; the number
+    /// of the resolution that its rays are in; which of them set out here; and which of those are
+    /// led to the roofs of their blocks first.
     firsts: [u32; CHUNK / LANES],
     levels: [u16; CHUNK / LANES],
     masks: [u16; CHUNK / LANES],
@@ -54,7 +55,8 @@ pub(super) struct Departing<L: Lanes> {
 }
 
 impl Departure {
-    /// Forgets the rays of the group that begins at lane `at`.
+    /// Forgets the rays of the group that begins at lane `at`, which lies at `first` among all numbers
+    /// that are kept of steps.
     #[inline(always)]
     pub(super) fn clear(&mut self, at: usize, first: usize) {
         self.firsts[at / LANES] = first as u32;
@@ -68,8 +70,8 @@ impl Departure {
         self.masks[at / LANES] == 0
     }
 
-    /// For each group of the first `count` lanes, those led to roofs and those led through cells,
-    /// once all have set out.
+    /// For each group of the first `count` lanes, where its first one lies, and those led to roofs
+    /// and those led through cells, once all have set out.
     #[inline(always)]
     pub(super) fn led(&self, count: usize) -> impl Iterator<Item = (u32, [u16; 2])> {
         let groups = self.high.iter().zip(&self.masks).zip(&self.firsts);
@@ -105,7 +107,7 @@ impl Departure {
     }
 }
 
-/// The lanes of a step that set out together, among all numbers that are kept of it.
+/// Lanes that set out together, and all numbers that are kept of steps.
 pub(super) struct Step<'a> {
     /// How many lanes there are.
     pub(super) count: usize,

@@ -95,7 +95,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 #[inline(always)]
                 || march.set_out(step, chunk, canvas, scratch, tally),
             );
-            march.depart(chunk, scratch, tally);
+            march.depart((chunk[1] - chunk[0]) as usize, scratch, tally);
             march.go_on(scratch, UNFINISHED, tally);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
@@ -254,8 +254,7 @@ impl<'a, L: Lanes> March<'a, L> {
     }
 
     /// Leads a chunk's rays that set out side by side on their first way.
-    fn depart<T: Tally>(&self, lanes: [i32; 2], scratch: &mut Scratch, tally: &mut T) {
-        let count = (lanes[1] - lanes[0]) as usize;
+    fn depart<T: Tally>(&self, count: usize, scratch: &mut Scratch, tally: &mut T) {
         depart(
             self.l,
             &self.fields,

@@ -119,11 +119,15 @@ impl Sector {
                 let about = (at_origin + by_step) * inverse;
                 let about = (about.max(0.0).min(width) - 0.5 + WHOLE) - WHOLE;
                 let mut at = about - 1.0;
-                for near in [-1.0, 0.0, 1.0, 2.0] {
-                    at += if holds(about + near) == begins { 0.0 } else { 1.0 };
+                for aside in [-1.0, 0.0, 1.0, 2.0] {
+                    let is_before = holds(about + aside) != begins;
+                    at += f64::from(u8::from(is_before));
                 }
-                let none = if holds(0.0) == begins { 0.0 } else { width };
-                let at = if slope == 0.0 { none } else { at };
+                let all = if holds(0.0) == begins { 0.0 } else { width };
+                let at = if slope == 0.0 { all } else { at };
+                let at = at.max(0.0).min(width);
+                debug_assert!(at == 0.0 || holds(at - 1.0) != begins);
+                debug_assert!(at == width || holds(at) == begins);
                 if begins {
                     from[n] = at.max(from[n]);
                 } else {

@@ -38,7 +38,10 @@ impl<L: Lanes> March<'_, L> {
         steepest: f64,
         most: usize,
     ) -> Option<Predecessor> {
-        let ends = [self.directions.at(step, first), self.directions.at(step, last)];
+        let ends = [
+            self.directions.at(step, first),
+            self.directions.at(step, last),
+        ];
         let slope = slope[0] + 0.5 * f64::from(first + last) * slope[1];
         let Directions {
             step: u, lane: v, ..
