@@ -3,22 +3,25 @@
 mod pairs;
 mod texels;
 
-use self::pairs::{apart, pairs, rows};
+use self::pairs::{apart, bounded, pairs, rows};
 use self::texels::{along, blend, blend_by_six_bits};
 use super::alone::place_alone;
 use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
 
-/// The proof that the processor has AVX2 and POPCNT.
+/// The proof that the processor has AVX2, and the instructions on bits that came with it or before.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx2(());
 
 impl Avx2 {
     /// The proof, where there is one.
     pub(crate) fn detect() -> Option<Self> {
-        // Every processor with the first has the second.
-        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt")).then_some(Self(()))
+        (is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt"))
+        .then_some(Self(()))
     }
 }
 
@@ -43,7 +46,7 @@ macro_rules! on_halves {
     };
 }
 
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline(never)]
 fn run<R>(work: impl FnOnce() -> R) -> R {
     work()
@@ -68,7 +71,7 @@ static CLOSED_UP: [u64; 256] = {
 };
 
 /// Which lanes of a mask's halves are set.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn bits_of(mask: M) -> [usize; 2] {
     mask.map(
@@ -78,7 +81,7 @@ fn bits_of(mask: M) -> [usize; 2] {
 }
 
 /// Writes the lanes of `mask`, closed up, to the front of `to`.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
     let [low, high] = bits_of(mask);
@@ -109,7 +112,7 @@ fn limited(at: I, last: usize) -> I {
 }
 
 /// Columns for rows, of a square of eight: within halves of registers first, then whole halves.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn transposed(rows: [__m256i; 8]) -> [__m256i; 8] {
     let mut pairs = rows;
@@ -134,7 +137,7 @@ fn transposed(rows: [__m256i; 8]) -> [__m256i; 8] {
 }
 
 /// The lanes of a group that the last four bits of eight lanes name.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn picked([low, high]: I, at: __m256i) -> __m256i {
     let low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(low, at));
@@ -486,11 +489,14 @@ impl Lanes for Avx2 {
         assert!(!items.is_empty());
         let last = items.len() - 1;
         let from = items.as_ptr();
-        let address = |k| from.wrapping_add(place_alone(at, k).min(last)).cast();
+        let mut moved = [0; LANES];
+        let at = on_values!(bounded(at, last, &mut moved));
+        let address = |k| [from.wrapping_add(place_alone(at, k)).cast()];
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [first_low, second_low] = apart(pairs(0, address));
-            let [first_high, second_high] = apart(pairs(8, address));
+            let ([low], [high]) = (pairs(0, address), pairs(8, address));
+            let [first_low, second_low] = apart(low);
+            let [first_high, second_high] = apart(high);
             [
                 [
                     _mm256_castps_si256(first_low),

@@ -4,14 +4,14 @@ use super::pairs::Pairs;
 use std::arch::x86_64::*;
 
 /// From `from` to `to` by a share in 15-bit fixed point.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 pub(super) fn along(from: __m256i, to: __m256i, share: __m256i) -> __m256i {
     _mm256_add_epi16(from, _mm256_mulhrs_epi16(_mm256_sub_epi16(to, from), share))
 }
 
 /// Blends eight lanes' four texels: a southern and a northern row of neighbours.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 pub(super) fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256) -> __m256i {
     let scale = _mm256_set1_ps(32767.0);
@@ -48,7 +48,7 @@ pub(super) fn blend([south, north_row]: [Pairs; 2], east: __m256, north: __m256)
 
 /// Blends eight lanes' four texels: 16 bits a channel, six of them a fraction, in the order of
 /// `Pairs`.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 pub(super) fn blend_by_six_bits(
     [south, north_row]: [Pairs; 2],
@@ -81,7 +81,7 @@ pub(super) fn blend_by_six_bits(
 }
 
 /// Where weights of the lanes of either register of pairs go: to each of their channels.
-#[target_feature(enable = "avx2,popcnt")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn spread() -> [__m256i; 2] {
     [
