@@ -13,7 +13,7 @@ export XDG_RUNTIME_DIR := $(CURDIR)/target/runtime
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help deps deps-test deps-bench run test lint bench doc runtime
+.PHONY: help deps deps-test deps-arm deps-bench run test test-arm lint bench doc runtime
 
 help: ## List these words
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1|/p' $(MAKEFILE_LIST) | \
@@ -25,6 +25,9 @@ deps: ## Install what is missing to build and run (Debian; elsewhere: say what)
 deps-test: ## The same, and what the tests use besides
 	@.ci/deps build run test
 
+deps-arm: ## Install what is missing to build for 64-bit ARM, and to run that in emulation
+	@.ci/deps build arm
+
 deps-bench: ## Install what is missing to build, and Embree for the benches
 	@.ci/deps build bench
 
@@ -33,6 +36,14 @@ run: deps runtime ## Open the table; without a display, write a flight; ARGS="..
 
 test: deps-test runtime ## Run all tests
 	$(CARGO) test --workspace --locked
+
+# Programs are linked as a whole, so that the emulator needs no system of that kind.
+test-arm: deps-arm ## Run the casters' own tests on 64-bit ARM (NEON), in emulation
+	RUSTFLAGS="-C target-feature=+crt-static" \
+	CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
+	CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER=qemu-aarch64 \
+	$(CARGO) test --release --locked --target aarch64-unknown-linux-gnu \
+		-p sandtable-cast --lib --test instruction_sets
 
 lint: deps runtime ## Check format, lints and documentation
 	$(CARGO) fmt --all --check
