@@ -8,7 +8,10 @@ use std::arch::x86_64::*;
 /// The proof that the processor has AVX-512 F, BW, DQ and VL, and the instructions on bits that
 /// came before them.
 #[derive(Clone, Copy)]
-pub(crate) struct Avx512(());
+pub(crate) struct Avx512 {
+    /// Whether its own instructions that read lanes' pairs take less time than a read for each lane.
+    gathers: bool,
+}
 
 impl Avx512 {
     /// The proof, where there is one.
@@ -20,7 +23,26 @@ impl Avx512 {
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
             && is_x86_feature_detected!("popcnt"))
-        .then_some(Self(()))
+        .then_some(Self {
+            // So it is on Intel's processors that have half floats: casts take 1 to 5 % less time.
+            // On AMD's a read for each lane takes two thirds of the time.
+            gathers: is_x86_feature_detected!("avx512fp16"),
+        })
+    }
+
+    /// Whether to gather pairs of which the last place is `last`: to the processor's instruction
+    /// places have a sign.
+    #[inline(always)]
+    fn gathers_up_to(self, last: usize) -> bool {
+        self.gathers && last <= i32::MAX as usize
+    }
+
+    /// The same, reading lanes' pairs the other way.
+    #[cfg(test)]
+    pub(crate) fn reading_otherwise(self) -> Self {
+        Self {
+            gathers: !self.gathers,
+        }
     }
 }
 
@@ -103,10 +125,35 @@ fn bounded<'a>(at: &'a [i32; LANES], last: usize, moved: &'a mut [i32; LANES]) -
     moved
 }
 
+/// As `pairs`, at places in rows of items of `SIZE` bytes each, by the processor's own instruction.
+///
+/// # Safety
+/// Eight bytes can be read at each place of each row, and no place is above `i32::MAX`.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
+#[inline]
+unsafe fn gathered<const SIZE: i32, const N: usize>(
+    at: &[i32; LANES],
+    rows: [*const u8; N],
+) -> [[Pairs; 2]; N] {
+    // SAFETY: a reference can be read.
+    let places = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
+    let order = _mm512_setr_epi32(0, 1, 4, 5, 8, 9, 12, 13, 2, 3, 6, 7, 10, 11, 14, 15);
+    let places = _mm512_permutexvar_epi32(order, places);
+    let low = _mm512_castsi512_si256(places);
+    let high = _mm512_extracti64x4_epi64::<1>(places);
+    // SAFETY: the caller's promise.
+    std::array::from_fn(|n| unsafe {
+        [
+            _mm512_i32gather_epi64::<SIZE>(low, rows[n].cast()),
+            _mm512_i32gather_epi64::<SIZE>(high, rows[n].cast()),
+        ]
+    })
+}
+
 /// The pairs at lanes' places, and those a row further. Places behind the last cell are moved to
 /// it.
 #[inline(always)]
-fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 2]; 2] {
+fn rows<T>(l: Avx512, items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 2]; 2] {
     const { assert!(size_of::<T>() == 4) };
     assert!(items.len() >= stride as usize + 2, "a tile has a cell");
     let last = items.len() - (stride as usize + 2);
@@ -116,6 +163,9 @@ fn rows<T>(items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -> [[Pairs; 
     let at = on_values!(bounded(at, last, &mut moved));
     // SAFETY: from each place on there is a row and two items.
     unsafe {
+        if l.gathers_up_to(last) {
+            return gathered::<4, _>(at, [south.cast(), north.cast()]);
+        }
         pairs(|k| {
             let place = place_alone(at, k);
             [
@@ -529,7 +579,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [__m512; 4] {
-        let [south, north] = rows(posts, at, stride);
+        let [south, north] = rows(self, posts, at, stride);
         let ([sw, se], [nw, ne]) = on_values!((apart(south), apart(north)));
         [sw, se, nw, ne]
     }
@@ -572,7 +622,11 @@ impl Lanes for Avx512 {
         let at = on_values!(bounded(at, last, &mut moved));
         // SAFETY: no place is behind the last pair.
         unsafe {
-            let [both] = pairs(|k| [from.wrapping_add(place_alone(at, k)).cast()]);
+            let [both] = if self.gathers_up_to(last) {
+                gathered::<8, _>(at, [from.cast()])
+            } else {
+                pairs(|k| [from.wrapping_add(place_alone(at, k)).cast()])
+            };
             apart(both).map(|items| _mm512_castps_si512(items))
         }
     }
@@ -607,7 +661,7 @@ impl Lanes for Avx512 {
         east: __m512,
         north: __m512,
     ) -> __m512i {
-        let rows = rows(texels, at, stride);
+        let rows = rows(self, texels, at, stride);
         on_values!(blend(rows, east, north))
     }
 
@@ -619,7 +673,7 @@ impl Lanes for Avx512 {
         places: [Texels<'_, Self>; 2],
     ) -> __m512i {
         let blended = |of: Texels<'_, Self>| {
-            let rows = rows(texels, of.at, stride);
+            let rows = rows(self, texels, of.at, stride);
             on_values!(blend_by_six_bits(rows, of.east, of.north))
         };
         let (first, second) = (blended(places[0]), blended(places[1]));

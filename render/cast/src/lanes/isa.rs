@@ -36,6 +36,17 @@ impl Isa {
         all
     }
 
+    /// All that this processor has, in all ways of using them.
+    #[cfg(test)]
+    pub(crate) fn all_ways() -> Vec<Self> {
+        let ways = |isa| match isa {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(lanes) => vec![isa, Self::Avx512(lanes.reading_otherwise())],
+            _ => vec![isa],
+        };
+        Self::all().into_iter().flat_map(ways).collect()
+    }
+
     /// The fastest that this processor has.
     pub(crate) fn best() -> Self {
         Self::all()[0]
