@@ -132,6 +132,14 @@ impl PixelBlock {
         for lane in (from..to).step_by(LANES) {
             let last = lane + LANES as i32 - 1;
             let whole = |lanes: &[i32; 2]| lanes[0] <= lane && last < lanes[1];
+            if self.lanes.len() == STEPS {
+                // What was asked for steps ago lies in the second cache by now: there was more than
+                // the first one holds.
+                let left = self.left(sector, 0, STEPS);
+                for row in lane + LANES as i32..to.min(lane + 2 * LANES as i32) {
+                    canvas.prefetch(l, canvas.place([left, row as u32]));
+                }
+            }
             let [colours, depths] = self.rows(l, sector, lane);
             if self.lanes.len() == STEPS && self.lanes.iter().all(whole) {
                 let corner = [self.left(sector, 0, STEPS), lane as u32];
