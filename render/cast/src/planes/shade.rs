@@ -264,7 +264,7 @@ pub(super) struct Shader<'a> {
 }
 
 /// How many cells ahead of a hit memory is asked for.
-const AHEAD: f32 = 10.0;
+const AHEAD: f32 = 20.0;
 
 /// Rows of posts from a step to the next from which on too many would be asked for in vain.
 const MOST_ROWS: f64 = 4.0;
@@ -329,7 +329,7 @@ impl<'a> Shader<'a> {
             let t = l.select(hit, t, none);
             let place = self.field.place(l, self.field.cell_at(l, t, advance));
             l.store_i(place, &mut places);
-            l.prefetch::<_, 4>(&self.field.heights.items, &places, 0);
+            l.prefetch::<_, 2>(&self.field.heights.items, &places, 0);
             if let Some(photo) = &self.photo {
                 let aside = l.mul(t, advance);
                 let advances = if self.sector.major == 0 {
@@ -340,7 +340,7 @@ impl<'a> Shader<'a> {
                 let (x, _, _) = photo.x.locate(l, advances[0]);
                 let (y, _, _) = photo.y.locate(l, advances[1]);
                 l.store_i(photo.tiles.place(l, x, y), &mut places);
-                l.prefetch::<_, 4>(&photo.tiles.items, &places, 0);
+                l.prefetch::<_, 2>(&photo.tiles.items, &places, 0);
             }
         }
     }
