@@ -43,6 +43,14 @@ impl Sum for Work {
 pub(crate) trait Tally {
     /// A ray begins.
     fn ray(&mut self);
+    /// So many rays begin side by side: those of a caster's step, from a lane on.
+    #[inline(always)]
+    fn rays(&mut self, step: u32, lane: i32, count: i32) {
+        let _ = (step, lane);
+        for _ in 0..count {
+            self.ray();
+        }
+    }
     /// The terrain is looked up at a point of it.
     fn sample(&mut self);
     /// A cell's corners are read.

@@ -37,7 +37,7 @@ fn photo() -> Photo {
 }
 
 /// Level, slanted, rolled and steep views, from over the ground, from beside it and from high up,
-/// and one at the table. Sizes are no multiples of sixteen.
+/// one at the table and one from close by. Sizes are no multiples of sixteen.
 fn views(scene: &Scene) -> Vec<View> {
     let extent = scene.ground.grid().extent();
     let eye = DVec3::new(0.4 * extent.x, 0.1 * extent.y, 120.0);
@@ -48,6 +48,8 @@ fn views(scene: &Scene) -> Vec<View> {
         camera(eye.with_z(600.0), 0.2, -1.55, 0.0).view([177, 150]),
         camera(beside, 0.9, -0.1, 0.0).view([333, 150]),
         standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), [277, 150]),
+        // Pixels much smaller than cells.
+        camera(eye.with_z(90.0), 0.7, -1.2, 0.3).view([333, 250]),
     ];
     for quarter in 0..4 {
         let yaw = 0.3 + std::f64::consts::FRAC_PI_2 * f64::from(quarter);
@@ -123,4 +125,52 @@ fn detail_has_the_same_bytes_on_all() {
         ground(300, 290, hills).with_photo(photo()),
         "&lod=on&cell=8&blur=3",
     );
+}
+
+/// What a thread keeps from one sector to the next is not of the next one's ground, nor are the
+/// patches of it that rays hand on.
+#[test]
+fn what_was_cast_before_changes_nothing() {
+    let rough = |col: u32, row: u32| {
+        let hills = 20.0 * ((f64::from(col) * 0.03).sin() + (f64::from(row) * 0.041).cos());
+        let hash = (col * 7919 + row * 104_729).wrapping_mul(2_654_435_761) >> 24;
+        (hills + f64::from(hash) / 200.0) as f32
+    };
+    let scene = Scene::new(Ground::from_fn(300, 300, DVec2::ONE, rough).expect("a sound grid"));
+    let views: Vec<_> = (0..60)
+        .map(|k: u32| {
+            let share = |by: f64| (f64::from(k) * by).fract();
+            let eye = DVec3::new(300.0 * share(0.618), 300.0 * share(0.414), 45.0);
+            let above = 4.0 + 60.0 * share(0.732);
+            let [yaw, pitch, roll] = [6.3 * share(0.236), -1.5 * share(0.551), 6.3 * share(0.853)];
+            // Once a bit higher: there all the same cells are seen, but from another eye.
+            [1.5, 0.0].map(|more| {
+                let eye = eye + (above + more) * DVec3::Z;
+                camera(eye, yaw, pitch, roll).view([320, 240])
+            })
+        })
+        .collect();
+    let caster = caster_by_name("planes").expect("there is one");
+    let prepared = caster.prepare(scene).expect("suits");
+    let pool = CastPool::new(1).expect("a thread");
+    let mut image = [Image::default()];
+    for (k, [higher, view]) in views.iter().enumerate() {
+        for view in [higher, view] {
+            pool.cast(&*prepared, &[*view], &mut image)
+                .expect("accepted");
+        }
+        let mut alone = [Image::default()];
+        let fresh = CastPool::new(1).expect("a thread");
+        fresh
+            .cast(&*prepared, &[*view], &mut alone)
+            .expect("accepted");
+        let bits = |image: &Image| -> Vec<u32> {
+            image.depth.iter().map(|depth| depth.to_bits()).collect()
+        };
+        assert!(bits(&image[0]) == bits(&alone[0]), "depths of view {k}");
+        assert!(
+            image[0].colour() == alone[0].colour(),
+            "colours of view {k}"
+        );
+    }
 }

@@ -4,6 +4,7 @@
 use super::climb::{self, approach, rises_far};
 use super::coarser::Coarser;
 use super::field::Field;
+use super::patches::Patches;
 use super::roofs::FINEST;
 use super::walk::{Passage, ask, fetch, go_on, hits_here, meet, place};
 use super::wave::{CHUNK, Ray, Waves};
@@ -135,7 +136,8 @@ impl Step<'_> {
 /// cells, as [`climb`](super::climb::climb) and [`walk`](super::walk::walk) do: over `fields`, the
 /// ground at all of its resolutions. Those that go on join `waves`.
 #[inline(always)]
-pub(super) fn depart<L: Lanes>(
+#[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
+pub(super) fn depart<L: Lanes, const KEEPS: bool>(
     l: L,
     fields: &[Field<'_>],
     departure: &mut Departure,
@@ -143,6 +145,7 @@ pub(super) fn depart<L: Lanes>(
     waves: &mut [Waves],
     passage: &mut Passage,
     reached: &mut [f32],
+    patches: &mut Patches,
 ) {
     let groups = || (0..step.count).step_by(LANES);
     if groups().any(|at| departure.high[at / LANES] != 0) {
@@ -177,7 +180,11 @@ pub(super) fn depart<L: Lanes>(
     );
     l.vectorize(
         #[inline(always)]
-        || lead_through_cells(l, fields, departure, step, waves, passage, reached),
+        || {
+            lead_through_cells::<L, KEEPS>(
+                l, fields, departure, step, waves, passage, reached, patches,
+            )
+        },
     );
 }
 
@@ -266,7 +273,8 @@ fn fetch_group<L: Lanes>(
 /// Each group's posts are fetched before the rays of the group in front are led: that reads and
 /// shuffles, this is one long chain of arithmetic, and a processor does both at once.
 #[inline(always)]
-fn lead_through_cells<L: Lanes>(
+#[allow(clippy::too_many_arguments, reason = "as `depart` has")]
+fn lead_through_cells<L: Lanes, const KEEPS: bool>(
     l: L,
     fields: &[Field<'_>],
     departure: &Departure,
@@ -274,6 +282,7 @@ fn lead_through_cells<L: Lanes>(
     waves: &mut [Waves],
     passage: &mut Passage,
     reached: &mut [f32],
+    patches: &mut Patches,
 ) {
     fetch_group(l, fields, departure, step.count, passage, 0);
     for at in (0..step.count).step_by(LANES) {
@@ -294,6 +303,11 @@ fn lead_through_cells<L: Lanes>(
         let mask = l.mask(mask);
         let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
         let reached = group_mut(reached, departure.firsts[at / LANES] as usize);
+        if KEEPS {
+            // Those that go on write theirs later.
+            let patch = met.patch.only(l, hit);
+            patches.store(l, departure.firsts[at / LANES] as usize, &patch);
+        }
         let hit_t = l.mul(met.hit_t, l.splat(field.scale));
         l.store(l.select(hit, hit_t, l.load(reached)), reached);
         let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);

@@ -252,6 +252,12 @@ impl<'a> Field<'a> {
         )
     }
 
+    /// Whether the eye is above all ground.
+    #[inline(always)]
+    pub(super) fn is_above(&self) -> bool {
+        self.eye_height > self.highest
+    }
+
     /// Where rays have left all ground.
     #[inline(always)]
     pub(super) fn leave<L: Lanes>(&self, l: L, inverse: L::F, slope: L::F) -> L::F {

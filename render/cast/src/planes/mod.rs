@@ -9,6 +9,7 @@ mod field;
 mod floor;
 mod footprint;
 mod frame;
+mod patches;
 mod pixels;
 mod profile;
 mod roofs;

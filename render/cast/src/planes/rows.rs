@@ -1,5 +1,6 @@
 //! Step by step away from the vanishing point of the vertical: one sector's rays.
 
+mod carry;
 mod directions;
 mod fans;
 mod predecessor;
@@ -10,9 +11,10 @@ mod survey;
 
 pub(super) use directions::Directions;
 pub(super) use recolour::{reaches, recolour_sector};
-pub(super) use scratch::Scratch;
+pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
 
+use self::carry::{Carrying, Share};
 use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;
 use super::coarser::Coarser;
@@ -20,6 +22,7 @@ use super::depart::{Step, depart};
 use super::field::{Axis, Field};
 use super::footprint::Around;
 use super::frame::Frame;
+use super::patches::Patches;
 use super::sectors::{AHEAD, Sector};
 use super::shade::{Chunk, Shader};
 use super::walk::walk;
@@ -65,7 +68,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
+    let can_carry = frame.detail.is_none() && Patches::can_name(&march.fields[0]);
     let mut shaded = 0;
+    let mut carrying = Carrying::default();
     let mut lanes_ahead = [[0; 2]; AHEAD];
     for step in 0..sector.steps {
         if step > 0 && frame.detail.is_some() && march.is_far(step - 1, scratch) {
@@ -89,14 +94,34 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         }
         let lanes = lanes_ahead[step as usize % AHEAD];
         scratch.lanes[step as usize % MEMORY] = lanes;
+        let carries = can_carry && carrying.begin(&march, step, scratch);
+        let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
-            l.vectorize(
-                #[inline(always)]
-                || march.set_out(step, chunk, canvas, scratch, tally),
-            );
-            march.depart((chunk[1] - chunk[0]) as usize, scratch, tally);
+            if carries {
+                l.vectorize(
+                    #[inline(always)]
+                    || march.carry(step, chunk, canvas, scratch, tally),
+                );
+                l.vectorize(
+                    #[inline(always)]
+                    || march.close_up(step, chunk, scratch),
+                );
+                left += l.vectorize(
+                    #[inline(always)]
+                    || march.send_left(chunk, scratch),
+                );
+            } else {
+                l.vectorize(
+                    #[inline(always)]
+                    || march.set_out(step, chunk, canvas, scratch, tally),
+                );
+                march.depart((chunk[1] - chunk[0]) as usize, scratch, tally);
+            }
             march.go_on(scratch, UNFINISHED, tally);
+        }
+        if carries {
+            carrying.end(left, lanes[1] - lanes[0], step, scratch);
         }
         let done = march.first_open(step, scratch).saturating_sub(lag);
         shaded = march.shade(&shader, canvas, scratch, shaded, done);
@@ -255,7 +280,22 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// Leads a chunk's rays that set out side by side on their first way.
     fn depart<T: Tally>(&self, count: usize, scratch: &mut Scratch, tally: &mut T) {
-        depart(
+        // Only where they are of use, rays keep what ground they meet.
+        if scratch.keeps_patches {
+            self.lead::<true>(count, scratch);
+        } else {
+            self.lead::<false>(count, scratch);
+        }
+        for (at, led) in scratch.departure.led(count) {
+            for rays in led {
+                tally.cells_of(at as i32, rays);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn lead<const KEEPS: bool>(&self, count: usize, scratch: &mut Scratch) {
+        depart::<L, KEEPS>(
             self.l,
             &self.fields,
             &mut scratch.departure,
@@ -267,12 +307,8 @@ impl<'a, L: Lanes> March<'a, L> {
             &mut scratch.waves,
             &mut scratch.passage,
             &mut scratch.reached,
+            &mut scratch.patches,
         );
-        for (at, led) in scratch.departure.led(count) {
-            for rays in led {
-                tally.cells_of(at as i32, rays);
-            }
-        }
     }
 
     /// Leads rays on until no more than `unfinished` of them are on their way low, and as many
@@ -292,7 +328,12 @@ impl<'a, L: Lanes> March<'a, L> {
                 );
             } else {
                 let passage = &mut scratch.passage;
-                walk(l, field, low, high, passage, &mut scratch.reached, coarser);
+                let (reached, patches) = (&mut scratch.reached, &mut scratch.patches);
+                if scratch.keeps_patches {
+                    walk::<L, true>(l, field, low, high, passage, reached, patches, coarser);
+                } else {
+                    walk::<L, false>(l, field, low, high, passage, reached, patches, coarser);
+                }
             }
         }
         if unfinished > 0 {

@@ -55,6 +55,8 @@ pub(super) struct Sector {
     width: i32,
     /// About how many pixels it has.
     size: f64,
+    /// The lanes that any step has, and some more.
+    reach: [i32; 2],
 }
 
 impl Sector {
@@ -68,6 +70,14 @@ impl Sector {
         let mut pixel = [self.image_step(k); 2];
         pixel[1 - self.step_axis] = lane as u32;
         pixel
+    }
+
+    /// The lanes that its steps have, from the first to behind the last, and some more.
+    pub(super) fn reach(&self) -> [i32; 2] {
+        [
+            (self.reach[0] - 2).max(0),
+            (self.reach[1] + 3).min(self.width),
+        ]
     }
 
     fn has_pixels(&self) -> bool {
@@ -332,6 +342,7 @@ impl ImageRays {
                     signs,
                     sides: part.ordered_sides(),
                     size: part.size(),
+                    reach: part.range(1 - step_axis).map(|at| at as i32),
                     width: self.size[1 - step_axis] as i32,
                 });
             }

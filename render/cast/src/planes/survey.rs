@@ -50,7 +50,7 @@ impl Survey {
             for &pixel in &pixels {
                 sectors[pixel] = number;
             }
-            looks(&frame, sector, &mut scratch, &canvas, &pixels, &mut looked);
+            looks(&frame, sector, &mut scratch, &canvas, &mut looked);
             for (&pixel, steps) in pixels.iter().zip(begins(&frame, sector)) {
                 began[pixel] = steps;
             }

@@ -3,6 +3,7 @@
 use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
+use super::patches::{NUMBERS, Patch, Patches, packed};
 use super::wave::{CAPACITY, Column, Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
@@ -11,6 +12,10 @@ use crate::lanes::{LANES, Lanes, group, group_mut};
 pub(super) struct Passage {
     pub(super) place: Column<i32>,
     posts: [Column<f32>; 4],
+    /// The ground that rays met, and where that is kept: far behind all numbers for those that met
+    /// none.
+    ids: Column<i32>,
+    patches: [Column<i32>; NUMBERS],
 }
 
 impl Default for Passage {
@@ -18,6 +23,20 @@ impl Default for Passage {
         Self {
             place: [0; CAPACITY],
             posts: [[0.0; CAPACITY]; 4],
+            ids: [0; CAPACITY],
+            patches: [[0; CAPACITY]; NUMBERS],
+        }
+    }
+}
+
+impl Passage {
+    /// Keeps the ground that a group's rays meet until all have gone their way.
+    #[inline(always)]
+    fn keep<L: Lanes>(&mut self, l: L, at: usize, hit: L::M, id: L::I, patch: &Patch<L>) {
+        let id = l.select_i(hit, id, l.splat_i(i32::MAX));
+        l.store_i(id, group_mut(&mut self.ids, at));
+        for (to, bits) in self.patches.iter_mut().zip(patch.bits(l)) {
+            l.store_i(bits, group_mut(to, at));
         }
     }
 }
@@ -77,19 +96,21 @@ pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at
 }
 
 /// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
-/// `reached`; those that leave the ground are dropped; those that end far over it go to `high`,
+/// `reached` and, where it `KEEPS` that, the cell's ground to `patches`; those that leave the ground are dropped; those that end far over it go to `high`,
 /// and those that are too far for this resolution to `coarser`.
 ///
 /// Three loops, as each has so little between one group's begin and end that the processor works on
 /// several groups at once.
 #[inline(always)]
-pub(super) fn walk<L: Lanes>(
+#[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
+pub(super) fn walk<L: Lanes, const KEEPS: bool>(
     l: L,
     field: &Field<'_>,
     wave: &mut Wave,
     high: &mut Wave,
     passage: &mut Passage,
     reached: &mut [f32],
+    patches: &mut Patches,
     coarser: Option<Coarser<'_>>,
 ) {
     l.vectorize(
@@ -114,18 +135,20 @@ pub(super) fn walk<L: Lanes>(
     );
     l.vectorize(
         #[inline(always)]
-        || pass(l, field, wave, high, passage, reached, coarser),
+        || pass::<L, KEEPS>(l, field, wave, high, passage, reached, patches, coarser),
     );
 }
 
 #[inline(always)]
-fn pass<L: Lanes>(
+#[allow(clippy::too_many_arguments, reason = "as `walk` has")]
+fn pass<L: Lanes, const KEEPS: bool>(
     l: L,
     field: &Field<'_>,
     wave: &mut Wave,
     high: &mut Wave,
-    passage: &Passage,
+    passage: &mut Passage,
     reached: &mut [f32],
+    patches: &mut Patches,
     mut coarser: Option<Coarser<'_>>,
 ) {
     let scale = l.splat(field.scale);
@@ -138,11 +161,19 @@ fn pass<L: Lanes>(
         let met = meet(l, field, &ray, wave.t(l, at), cell, passage, at);
         let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
         l.scatter(hit, ray.id, l.mul(met.hit_t, scale), reached);
+        if KEEPS {
+            passage.keep(l, at, hit, ray.id, &met.patch);
+        }
         let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
         [kept, risen] = go_on(l, field, wave, high, [kept, risen], going, &ray, &met, cell);
     }
     wave.truncate(kept);
     high.truncate(risen);
+    if KEEPS {
+        for at in (0..rays).step_by(LANES) {
+            patches.scatter(&passage.ids, &passage.patches, at);
+        }
+    }
 }
 
 /// Which rays meet the ground in their cell. Those that come to where this resolution ends go on to
@@ -207,8 +238,10 @@ pub(super) struct Met<L: Lanes> {
     /// The t behind the cell, the clearance there in metres, and whether that is at a line across
     /// the major axis.
     pub(super) next: L::F,
-    clearance: L::F,
+    pub(super) clearance: L::F,
     crosses_major: L::M,
+    /// The cell's ground.
+    pub(super) patch: Patch<L>,
 }
 
 /// Where rays that are at t in a mirrored cell meet the ground in it.
@@ -289,5 +322,12 @@ pub(super) fn meet<L: Lanes>(
         next,
         clearance: next_clearance,
         crosses_major,
+        patch: Patch {
+            cell: packed(l, [major, minor]),
+            corner,
+            by_minor,
+            by_major,
+            twist,
+        },
     }
 }

@@ -1,6 +1,6 @@
 //! Where a sector's rays go.
 
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
 use glam::DVec3;
@@ -65,9 +65,29 @@ pub(super) struct Aim<L: Lanes> {
     major: L::F,
     minor: L::F,
     up: L::F,
+    /// From one group of neighbours to the next.
+    group: [f32; 3],
 }
 
 impl<L: Lanes> Aim<L> {
+    /// As [`Aim::directions`], of the group that begins `lanes` further on: the fourth of its block at
+    /// most, so that hardly a digit is lost.
+    #[inline(always)]
+    pub(super) fn further(&self, l: L, first: DVec3, lanes: usize) -> [L::F; 3] {
+        let [major, minor, up] = self.group.map(|by| l.splat(by * (lanes / LANES) as f32));
+        [
+            l.max(
+                l.add(l.splat(first.x as f32), l.add(self.major, major)),
+                self.steep,
+            ),
+            l.max(
+                l.add(l.splat(first.y as f32), l.add(self.minor, minor)),
+                l.splat(0.0),
+            ),
+            l.add(l.splat(first.z as f32), l.add(self.up, up)),
+        ]
+    }
+
     #[inline(always)]
     pub(super) fn new(l: L, frame: &Frame<'_>, lane: DVec3) -> Self {
         let iota = l.load(&std::array::from_fn(|k| k as f32));
@@ -76,6 +96,7 @@ impl<L: Lanes> Aim<L> {
             major: l.mul(l.splat(lane.x as f32), iota),
             minor: l.mul(l.splat(lane.y as f32), iota),
             up: l.mul(l.splat(lane.z as f32), iota),
+            group: (lane * LANES as f64).as_vec3().to_array(),
         }
     }
 

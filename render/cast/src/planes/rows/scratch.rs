@@ -1,9 +1,11 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
+use super::carry::Left;
 use crate::canvas::Canvas;
 use crate::lanes::LANES;
 use crate::planes::depart::Departure;
 use crate::planes::frame::Frame;
+use crate::planes::patches::Patches;
 use crate::planes::pixels::PixelBlock;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shading;
@@ -24,6 +26,11 @@ pub(in crate::planes) struct Scratch {
     /// The rays of these steps, for their colours.
     pub(super) advance: Vec<f32>,
     pub(super) slope: Vec<f32>,
+    /// And the ground that they met, where it is of use.
+    pub(super) patches: Patches,
+    pub(super) keeps_patches: bool,
+    /// A step's rays for whose ends it takes more than that.
+    pub(super) left: Box<Left>,
     /// What the planes of a fan see, in a row for each step: colours (of which the fourth byte tells
     /// the ground's share, and the others the light of that share) and, as the bits of a float, one
     /// over how many of its direction's lengths away the ground is (0 where it is sky).
@@ -60,7 +67,7 @@ impl Scratch {
     ) -> usize {
         let width = frame.rays.size[1 - sector.step_axis] as usize;
         // A power of two, so that the step of a ray is quickly told from where its number lies.
-        let room = (width + 2 * MARGIN + LANES).next_power_of_two();
+        let room = (width + 2 * MARGIN + BLOCK).next_power_of_two();
         self.lanes = [[0, 0]; MEMORY];
         self.far_from = u32::MAX;
         let levels = self.waves.len().max(frame.levels.len());
@@ -71,12 +78,17 @@ impl Scratch {
             waves.high.truncate(0);
         }
         for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
-            numbers.resize(numbers.len().max(room * MEMORY), 0.0);
+            numbers.resize(numbers.len().max(room * MEMORY + BLOCK), 0.0);
         }
+        self.patches.begin(room * MEMORY);
+        self.keeps_patches = false;
         self.pixels.begin(canvas, sector, width + MARGIN);
         room
     }
 }
+
+/// Neighbours that are looked at together.
+pub(in crate::planes) const BLOCK: usize = 4 * LANES;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 pub(super) const MARGIN: usize = 2 * LANES;

@@ -2,7 +2,8 @@
 
 use super::March;
 use super::directions::{Aim, Aimed};
-use super::scratch::{MARGIN, MEMORY, Scratch};
+use super::predecessor::Predecessor;
+use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
@@ -18,11 +19,32 @@ const MANY: u32 = 8;
 /// than any are, and few enough to be divided by what is small.
 const VERY_HIGH: f32 = 1e30;
 
-/// Lanes that begin from one predecessor where the nearest will do for all of them.
-const SHARED: i32 = 4 * LANES as i32;
+/// Those of the sixteen lanes from `first` on that are of `lanes`.
+pub(super) fn same_lanes(lanes: [i32; 2], first: i32) -> u16 {
+    let from = (lanes[0] - first).clamp(0, LANES as i32);
+    let to = (lanes[1] - first).clamp(from, LANES as i32);
+    first_lanes(to) & !first_lanes(from)
+}
+
+/// Where sixteen rays are over the ground.
+pub(super) struct Stay<L: Lanes> {
+    /// Those that are over it at all, or may come down to it.
+    pub(super) ok: L::M,
+    pub(super) enter: L::F,
+    pub(super) leave: L::F,
+}
+
+impl<L: Lanes> Stay<L> {
+    /// What rays have reached until something is found: they have left the ground.
+    #[inline(always)]
+    pub(super) fn nothing(&self, l: L) -> L::F {
+        // Below 0 even where there is no ground at all.
+        l.sub(l.splat(0.0), l.max(self.leave, l.splat(f32::MIN_POSITIVE)))
+    }
+}
 
 /// The part of a group of which `count` lanes are pixels.
-fn first_lanes(count: i32) -> u16 {
+pub(super) fn first_lanes(count: i32) -> u16 {
     if count >= LANES as i32 {
         u16::MAX
     } else {
@@ -42,15 +64,9 @@ impl<L: Lanes> March<'_, L> {
         tally: &mut T,
     ) {
         let l = self.l;
-        let zero = l.splat(0.0);
         let one = l.splat(1.0);
-        let lane_numbers = l.load_i(&std::array::from_fn(|k| k as i32));
         let v = self.directions.lane;
         let aim = Aim::new(l, self.frame, v);
-        let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
-        let eye = self.fields[0].eye_height;
-        let above = eye > self.fields[0].highest;
-        let top = self.fields[0].highest - eye;
         let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
         let across = self.frame.detail.as_ref().map(|detail| {
@@ -58,8 +74,6 @@ impl<L: Lanes> March<'_, L> {
             (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
         });
         let slot = self.slot(step);
-        // Below 0 even where there is no ground at all.
-        let tiny = l.splat(f32::MIN_POSITIVE);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
         let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
@@ -74,32 +88,18 @@ impl<L: Lanes> March<'_, L> {
                 slope,
                 scale,
             } = aim.at(l, self.directions.at(step, first));
-            let mut leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
-            let mut ok = l.and(all, l.lt(zero, leave));
-            if above {
-                ok = l.and(ok, l.lt(slope, zero));
-            } else if l.bits(l.lt(zero, slope)) != 0 {
-                let over = l.div(l.splat(top), slope);
-                leave = l.select(l.lt(zero, slope), l.min(leave, over), leave);
-            }
-            let mut enter = l.splat(major_begin.max(0.0));
-            if minor_begin > 0.0 {
-                enter = l.max(enter, l.mul(l.splat(minor_begin), inverse));
-            }
-            ok = l.and(ok, l.lt(enter, leave));
+            let stay = self.stay(all, inverse, slope);
             l.store(advance, group_mut(&mut scratch.advance, at));
             l.store(slope, group_mut(&mut scratch.slope, at));
-            // Until something is found: the ray has left the ground.
-            let nothing = l.sub(zero, l.max(leave, tiny));
-            l.store(nothing, group_mut(&mut scratch.reached, at));
+            l.store(stay.nothing(l), group_mut(&mut scratch.reached, at));
             let in_chunk = (first - lanes[0]) as usize;
             scratch.departure.clear(in_chunk, at);
             let ray = Ray {
                 advance,
                 inverse,
                 slope,
-                leave,
-                id: l.add_i(lane_numbers, l.splat_i(at as i32)),
+                leave: stay.leave,
+                id: self.ids(at),
             };
             // How many cells a pixel covers across its ray, for each 1 of t.
             let mut width = None;
@@ -107,54 +107,136 @@ impl<L: Lanes> March<'_, L> {
                 let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
-            let mut fresh = ok;
-            if across.is_none() && in_chunk.is_multiple_of(SHARED as usize) {
-                let ends = [first, lanes[1].min(first + SHARED) - 1];
-                shared = self.predecessor(step, towards, ends, self.steepest[0], 1);
+            if across.is_none() && in_chunk.is_multiple_of(BLOCK) {
+                shared = self.nearest(
+                    step,
+                    towards,
+                    [first, lanes[1].min(first + BLOCK as i32) - 1],
+                );
             }
             let before = shared.or_else(
                 #[inline(always)]
                 || {
                     let ends = [first, first + count - 1];
-                    let steepest = match across {
-                        Some(across) => self.steepest_near(scratch, step, ends, across),
-                        None => self.steepest[0],
-                    };
-                    self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+                    match across {
+                        Some(across) => {
+                            let steepest = self.steepest_near(scratch, step, ends, across);
+                            self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+                        }
+                        None => self.any_before(step, towards, ends),
+                    }
                 },
             );
+            let mut fresh = stay.ok;
             if let Some(before) = before {
                 let before_step = step - before.steps as u32;
-                let lanes = scratch.lanes[before_step as usize % MEMORY];
+                let before_lanes = scratch.lanes[before_step as usize % MEMORY];
                 // Those whose predecessors are the sector's.
-                let from = (lanes[0] - before.lanes - first).clamp(0, LANES as i32);
-                let to = (lanes[1] - before.lanes - first).clamp(from, LANES as i32);
-                let known = l.mask(first_lanes(to) & !first_lanes(from));
+                let known = l.mask(same_lanes(before_lanes, first + before.lanes));
                 let before_at = (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
                 let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                let start = l.max(start, enter);
-                let known = l.and(known, ok);
-                fresh = l.and_not(ok, known);
-                let known = l.and(known, l.lt(start, leave));
+                let start = l.max(start, stay.enter);
+                let known = l.and(known, stay.ok);
+                fresh = l.and_not(stay.ok, known);
+                let known = l.and(known, l.lt(start, stay.leave));
                 let over = l.mul(start, l.splat(before.rise as f32));
                 let waves = &mut scratch.waves[..self.fields.len()];
                 let departure = &mut scratch.departure;
                 self.send(waves, departure, in_chunk, known, &ray, start, over, width);
             }
             if l.bits(fresh) != 0 {
-                let mut start = enter;
-                if above {
-                    start = l.max(start, l.div(l.splat(top), slope));
-                }
-                let fresh = l.and(fresh, l.lt(start, leave));
+                let start = self.fresh_start(&ray, &stay);
+                let fresh = l.and(fresh, l.lt(start, stay.leave));
                 let waves = &mut scratch.waves[..self.fields.len()];
                 let (departure, over) = (&mut scratch.departure, l.splat(VERY_HIGH));
                 self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
             }
-            for _ in 0..count {
-                tally.ray();
-            }
         }
+        tally.rays(step, lanes[0], lanes[1] - lanes[0]);
+    }
+
+    /// The numbers of the group that begins at number `at` among all that are kept of steps.
+    #[inline(always)]
+    pub(super) fn ids(&self, at: usize) -> L::I {
+        let l = self.l;
+        let lane_numbers = l.load_i(&std::array::from_fn(|k| k as i32));
+        l.add_i(lane_numbers, l.splat_i(at as i32))
+    }
+
+    /// The ray of the step before from which all from the first to the last of `ends` may begin.
+    #[inline(always)]
+    pub(super) fn nearest(
+        &self,
+        step: u32,
+        towards: [f64; 2],
+        ends: [i32; 2],
+    ) -> Option<Predecessor> {
+        self.predecessor(step, towards, ends, self.steepest[0], 1)
+    }
+
+    /// As `nearest`, of any step that is kept.
+    #[inline(always)]
+    pub(super) fn any_before(
+        &self,
+        step: u32,
+        towards: [f64; 2],
+        ends: [i32; 2],
+    ) -> Option<Predecessor> {
+        self.predecessor(step, towards, ends, self.steepest[0], MEMORY - 1)
+    }
+
+    /// Where rays of `all` are over the ground.
+    #[inline(always)]
+    pub(super) fn stay(&self, all: L::M, inverse: L::F, slope: L::F) -> Stay<L> {
+        let l = self.l;
+        let zero = l.splat(0.0);
+        let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
+        let field = &self.fields[0];
+        let mut leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
+        let mut ok = l.and(all, l.lt(zero, leave));
+        if field.is_above() {
+            ok = l.and(ok, l.lt(slope, zero));
+        } else if l.bits(l.lt(zero, slope)) != 0 {
+            let over = l.div(l.splat(field.highest - field.eye_height), slope);
+            leave = l.select(l.lt(zero, slope), l.min(leave, over), leave);
+        }
+        let mut enter = l.splat(major_begin.max(0.0));
+        if minor_begin > 0.0 {
+            enter = l.max(enter, l.mul(l.splat(minor_begin), inverse));
+        }
+        ok = l.and(ok, l.lt(enter, leave));
+        Stay { ok, enter, leave }
+    }
+
+    /// Where rays come over the ground, or down to where some may be.
+    #[inline(always)]
+    fn fresh_start(&self, ray: &Ray<L>, stay: &Stay<L>) -> L::F {
+        let l = self.l;
+        let field = &self.fields[0];
+        if field.is_above() {
+            let down = l.div(l.splat(field.highest - field.eye_height), ray.slope);
+            l.max(stay.enter, down)
+        } else {
+            stay.enter
+        }
+    }
+
+    /// Puts rays of `mask` on their way from where they come over the ground, closed up with others.
+    #[inline(always)]
+    pub(super) fn begin_fresh(
+        &self,
+        scratch: &mut Scratch,
+        mask: L::M,
+        ray: &Ray<L>,
+        stay: &Stay<L>,
+    ) {
+        let l = self.l;
+        let start = self.fresh_start(ray, stay);
+        let mask = l.and(mask, l.lt(start, stay.leave));
+        let cell = self.fields[0].cell_at(l, start, ray.advance);
+        let level = level_for(l, l.splat(VERY_HIGH));
+        let high = &mut scratch.waves[0].high;
+        high.push_at_level(l, mask, ray, start, cell, level);
     }
 
     /// Puts rays on their way that are clear up to `start` and, about, `over` metres over the ground

@@ -9,22 +9,18 @@ use crate::planes::sectors::Sector;
 use crate::tally::Tally;
 
 /// Casts a sector and adds to each pixel's number in `looks` over how many cells and blocks its ray
-/// is led. `pixels` are the sector's, step by step and lane by lane.
+/// is led.
 pub(in crate::planes) fn looks(
     frame: &Frame<'_>,
     sector: &Sector,
     scratch: &mut Scratch,
     canvas: &Canvas<'_>,
-    pixels: &[usize],
     looks: &mut [u32],
 ) {
-    let places = (0..sector.steps).flat_map(|step| {
-        let [from, to] = sector.lanes(step);
-        (from..to).map(move |lane| (step, lane))
-    });
     let room = scratch.begin(frame, sector, canvas);
     let mut tally = PixelTally {
-        rays: places.zip(pixels.iter().copied()),
+        sector,
+        width: frame.rays.size[0],
         room,
         pixels: vec![0; room * MEMORY],
         looks,
@@ -33,20 +29,24 @@ pub(in crate::planes) fn looks(
 }
 
 /// Tells each look to the pixel whose ray it is.
-struct PixelTally<'a, I> {
-    /// The rays' steps and lanes, and pixels, in the order in which they set out.
-    rays: I,
+struct PixelTally<'a> {
+    sector: &'a Sector,
+    /// The image's.
+    width: u32,
     room: usize,
     /// The pixel of each number in the scratch.
     pixels: Vec<usize>,
     looks: &'a mut [u32],
 }
 
-impl<I: Iterator<Item = ((u32, i32), usize)>> Tally for PixelTally<'_, I> {
-    fn ray(&mut self) {
-        if let Some(((step, lane), pixel)) = self.rays.next() {
-            let slot = step as usize % MEMORY * self.room;
-            self.pixels[slot + MARGIN + lane as usize] = pixel;
+impl Tally for PixelTally<'_> {
+    fn ray(&mut self) {}
+
+    fn rays(&mut self, step: u32, first: i32, count: i32) {
+        let slot = step as usize % MEMORY * self.room + MARGIN;
+        for lane in first..first + count {
+            let [i, j] = self.sector.pixel(step, lane);
+            self.pixels[slot + lane as usize] = (j * self.width + i) as usize;
         }
     }
 
