@@ -7,11 +7,11 @@ use super::wave::Column;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use std::ops::Range;
 
-/// Mirrored cells along each axis from which on a cell's two numbers do not fit into one.
+/// The mirrored cell from which on, along either axis, a cell's two numbers do not fit into one.
 const MOST_CELLS: i32 = (1 << 15) - 1;
 
-/// No cell. Any negative number is none; others than this tell of a ray that is on its way into which
-/// one it comes next.
+/// No cell. Other negative numbers are none either, but say into which cell a ray comes next that is
+/// still on its way.
 pub(super) const NONE: i32 = -1;
 
 /// The ground in a mirrored cell of each of sixteen rays.
@@ -50,8 +50,8 @@ impl<L: Lanes> Patch<L> {
     }
 }
 
-/// What is added to a cell's number: that a ray comes into it across a line of the minor axis; and that
-/// it is on its way there.
+/// Added to the number of a cell into which a ray comes: that it does so across a line of the minor
+/// axis, and that it is still on its way.
 pub(super) const CROSSES_MINOR: i32 = 1 << 15;
 const ON_ITS_WAY: i32 = i32::MIN;
 

@@ -12,8 +12,8 @@ use crate::lanes::{LANES, Lanes, group, group_mut};
 pub(super) struct Passage {
     pub(super) place: Column<i32>,
     posts: [Column<f32>; 4],
-    /// The ground that rays met, and where that is kept: far behind all numbers for those that met
-    /// none.
+    /// The ground that rays met, and the numbers of these rays: of those that met none, one that no ray
+    /// has.
     ids: Column<i32>,
     patches: [Column<i32>; NUMBERS],
 }
@@ -96,8 +96,9 @@ pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at
 }
 
 /// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
-/// `reached` and, where it `KEEPS` that, the cell's ground to `patches`; those that leave the ground are dropped; those that end far over it go to `high`,
-/// and those that are too far for this resolution to `coarser`.
+/// `reached` and, if it `KEEPS` that, the cell's ground to `patches`; those that leave the ground are
+/// dropped; those that end far over it go to `high`, and those that are too far for this resolution
+/// to `coarser`.
 ///
 /// Three loops, as each has so little between one group's begin and end that the processor works on
 /// several groups at once.

@@ -25,9 +25,10 @@ pub(in crate::planes) struct Left {
     id: [i32; MOST],
     advance: [f32; MOST],
     slope: [f32; MOST],
-    /// Up to where it is clear, or by [`ON_ITS_WAY`](crate::planes::patches) on which line it stands.
+    /// Up to where it is clear: along the major axis or, where its cell has [`CROSSES_MINOR`], along the
+    /// minor one. Negative where no ray before it tells.
     start: [f32; MOST],
-    /// The cell in which it is there, if that is known.
+    /// The cell into which it comes there, or [`NONE`] where that has to be found.
     cell: [i32; MOST],
     between: Between,
 }
@@ -47,7 +48,7 @@ impl Default for Left {
     }
 }
 
-/// What is known of a block of rays between its two loops, a number a ray.
+/// What is known of a block of rays between its two loops, a number a ray: of their [`Path`]s.
 #[repr(align(64))]
 struct Between {
     start: [f32; BLOCK],
@@ -89,10 +90,10 @@ impl<L: Lanes> March<'_, L> {
         }
     }
 
-    /// Tells a step's rays what they meet if that is in their predecessors' cells; keeps the others
+    /// Tells a step's rays what they meet if that is in their predecessors' cells, and marks the others
     /// in `scratch.left`.
     ///
-    /// Without a branch on what a ray finds: that is not foreseen, and known late.
+    /// There is no branch on what a ray finds: a processor would not foresee it, and know it late.
     #[inline(always)]
     pub(super) fn carry<T: Tally>(
         &self,
@@ -135,6 +136,8 @@ impl<L: Lanes> March<'_, L> {
         }
     }
 
+    /// As `carry`, of neighbours that have one predecessor, from the first to behind the last; they lie
+    /// from number `in_chunk` on in their chunk.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,
