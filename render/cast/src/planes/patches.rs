@@ -202,14 +202,7 @@ pub(super) struct Path<L: Lanes> {
     /// it as that of a ray on its way.
     pub(super) line: L::F,
     pub(super) next: L::I,
-    /// What is left of the cell.
-    pub(super) major_left: L::F,
-    pub(super) minor_left: L::F,
-    /// The clearance s further on is `here` + `rate` s + b s².
-    pub(super) here: L::F,
-    pub(super) rate: L::F,
-    /// `rate`² − 4 b `here`.
-    pub(super) discriminant: L::F,
+    pub(super) end: End<L>,
 }
 
 impl<L: Lanes> Path<L> {
@@ -257,21 +250,26 @@ impl<L: Lanes> Path<L> {
             is_in,
             line: l.select(crosses_major, to_major, to_minor),
             next: l.add_i(patch.cell, to_next),
-            major_left,
-            minor_left,
-            here,
-            rate,
-            discriminant,
+            end: End {
+                major_left,
+                minor_left,
+                here,
+                rate,
+                discriminant,
+            },
         }
     }
 }
 
-/// Of a [`Path`], what tells of its end.
+/// What tells where a [`Path`] ends.
 pub(super) struct End<L: Lanes> {
+    /// What is left of the cell.
     pub(super) major_left: L::F,
     pub(super) minor_left: L::F,
+    /// The clearance s further on is `here` + `rate` s + b s².
     pub(super) here: L::F,
     pub(super) rate: L::F,
+    /// `rate`² − 4 b `here`.
     pub(super) discriminant: L::F,
 }
 
@@ -351,7 +349,7 @@ mod tests {
                 let ray = ray(slope);
                 let met = meet(l, field, &ray, t, cells, &passage, 0);
                 let path = Path::new(l, field, [ray.advance, ray.slope], t, &met.patch);
-                [path.here[0], path.rate[0]]
+                [path.end.here[0], path.end.rate[0]]
             };
             // Half of the rays run almost along the ground; all are a little over it here.
             let mut height = 0.5 * share(0.911) as f32;
@@ -364,18 +362,11 @@ mod tests {
             let met = meet(l, &field, &ray, t, cells, &passage, 0);
             let path = Path::new(l, &field, [ray.advance, ray.slope], t, &met.patch);
             assert!(l.bits(path.is_in) & 1 == 1, "{cell:?} at {major}");
-            let end = End {
-                major_left: path.major_left,
-                minor_left: path.minor_left,
-                here: path.here,
-                rate: path.rate,
-                discriminant: path.discriminant,
-            };
-            let (hit, further) = end.find(l, ray.advance);
+            let (hit, further) = path.end.find(l, ray.advance);
             let (hit, hits_here) = (l.bits(hit) & 1 == 1, l.bits(met.hit) & 1 == 1);
             if hit != hits_here {
                 // Just at the line behind the cell, or where a ray touches the ground.
-                let grazes = met.clearance[0].abs() < 1e-4 || path.discriminant[0].abs() < 1e-3;
+                let grazes = met.clearance[0].abs() < 1e-4 || path.end.discriminant[0].abs() < 1e-3;
                 assert!(grazes, "{k}: {hit} {hits_here} {}", met.clearance[0]);
                 continue;
             }

@@ -197,7 +197,8 @@ impl<L: Lanes> March<'_, L> {
             let mut start = l.abs(l.load(group(starts, k)));
             if is_outside {
                 let enter = l.div(l.mul(l.splat(minor_begin), major), minor);
-                start = l.max(start, l.max(l.splat(major_begin), enter));
+                // In this order: a ray along the major axis has no number there.
+                start = l.max(start, l.max(enter, l.splat(major_begin)));
             }
             let known = if all_known {
                 l.mask(u16::MAX)
@@ -211,11 +212,14 @@ impl<L: Lanes> March<'_, L> {
             l.store(start, group_mut(&mut between.start, k));
             l.store(path.line, group_mut(&mut between.line, k));
             l.store_i(path.next, group_mut(&mut between.next, k));
-            l.store(path.major_left, group_mut(&mut between.major, k));
-            l.store(path.minor_left, group_mut(&mut between.minor, k));
-            l.store(path.here, group_mut(&mut between.here, k));
-            l.store(path.rate, group_mut(&mut between.rate, k));
-            l.store(path.discriminant, group_mut(&mut between.discriminant, k));
+            l.store(path.end.major_left, group_mut(&mut between.major, k));
+            l.store(path.end.minor_left, group_mut(&mut between.minor, k));
+            l.store(path.end.here, group_mut(&mut between.here, k));
+            l.store(path.end.rate, group_mut(&mut between.rate, k));
+            l.store(
+                path.end.discriminant,
+                group_mut(&mut between.discriminant, k),
+            );
             between.inside[k / LANES] = l.bits(l.and(known, path.is_in));
         }
         for (k, lane) in groups {
