@@ -212,6 +212,8 @@ impl Lanes for Neon {
     type I = I;
     type M = M;
 
+    const IN_ONE_LOOP: bool = true;
+
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
         work()

@@ -125,6 +125,8 @@ pub(super) fn rises_far<L: Lanes>(
 /// Leads each ray of `wave` over one block, or to where it comes under the block's roof, and to a
 /// smaller block there. Those that are down to single cells go to `low`, and those that are too far
 /// for this resolution to `coarser`. A ray that is far over a block goes on with larger ones.
+///
+/// Rays are closed up in a loop of its own, which knows at once which way each goes.
 #[inline(always)]
 pub(super) fn climb<L: Lanes>(
     l: L,
@@ -150,9 +152,7 @@ pub(super) fn climb<L: Lanes>(
     for at in (0..rays).step_by(LANES) {
         ask(l, field, passage, at);
     }
-    let (mut kept, mut landed) = (0, low.len());
     for at in (0..rays).step_by(LANES) {
-        let mask = l.mask(wave.mask(at));
         let ray = wave.ray(l, at);
         let level = wave.level(l, at);
         let place = group(&passage.place, at);
@@ -165,22 +165,36 @@ pub(super) fn climb<L: Lanes>(
             level,
             place,
         );
-        let left = l.and_not(l.and(mask, to.begins), l.lt(to.t, ray.leave));
+        let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
+        let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
+        let next = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
+        // Levels are positive: what has left is told by the sign.
+        let next = l.select_i(left, l.sub_i(l.splat_i(-1), level), next);
+        wave.set_place(l, at, to.t, to.cell);
+        wave.set_level(l, at, next);
+    }
+    let (mut kept, mut landed) = (0, low.len());
+    for at in (0..rays).step_by(LANES) {
+        let mask = l.mask(wave.mask(at));
+        let ray = wave.ray(l, at);
+        let level = wave.level(l, at);
+        let (t, cell) = (wave.t(l, at), wave.cell(l, at));
+        let left = l.and(mask, l.gt_i(l.splat_i(0), level));
         if let Some(coarser) = &mut coarser
             && l.bits(left) != 0
         {
             let leave = field.leave(l, ray.inverse, ray.slope);
-            let passes = l.and(left, l.lt(to.t, leave));
-            coarser.take(l, passes, &ray, to.t, leave, Some(level));
+            let passes = l.and(left, l.lt(t, leave));
+            let level = l.sub_i(l.splat_i(-1), level);
+            coarser.take(l, passes, &ray, t, leave, Some(level));
         }
-        let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
-        let level = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
         let going = l.and_not(mask, left);
         let down = l.and(going, l.gt_i(finest, level));
         let going = l.and_not(going, down);
-        kept = wave.put_at_level(l, kept, going, &ray, to.t, to.cell, level);
+        wave.close_up_levels(l, kept, going, level);
+        kept = wave.close_up(l, kept, going, &ray, t, cell);
         if l.bits(down) != 0 {
-            landed = low.put(l, landed, down, &ray, to.t, to.cell);
+            landed = low.put(l, landed, down, &ray, t, cell);
         }
     }
     wave.truncate(kept);

@@ -6,7 +6,7 @@ use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::Patches;
 use super::roofs::FINEST;
-use super::walk::{Passage, ask, fetch, go_on, hits_here, meet, place};
+use super::walk::{Crossing, Passage, ask, cross, fetch, go_on, hits_here, meet, place};
 use super::wave::{CHUNK, Ray, Waves};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
@@ -178,14 +178,7 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
             }
         },
     );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            lead_through_cells::<L, KEEPS>(
-                l, fields, departure, step, waves, passage, reached, patches,
-            )
-        },
-    );
+    lead_through_cells::<L, KEEPS>(l, fields, departure, step, waves, passage, reached, patches);
 }
 
 /// Leads rays to the roofs of their blocks; those that pass over them join waves.
@@ -252,71 +245,104 @@ fn lead_to_roofs<L: Lanes>(
     }
 }
 
-/// Fetches the posts of the cells of the group that begins at lane `at`, if there is one.
-#[inline(always)]
-fn fetch_group<L: Lanes>(
-    l: L,
-    fields: &[Field<'_>],
-    departure: &Departure,
-    count: usize,
-    passage: &mut Passage,
-    at: usize,
-) {
-    if at < count && departure.masks[at / LANES] != 0 {
-        let field = &fields[departure.levels[at / LANES] as usize];
-        fetch(l, field, passage, at);
-    }
-}
-
 /// Leads rays through their cells; those that go on join waves.
 ///
-/// Each group's posts are fetched before the rays of the group in front are led: that reads and
-/// shuffles, this is one long chain of arithmetic, and a processor does both at once.
+/// Two loops, as [`walk`](super::walk::walk) has.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "as `depart` has")]
 fn lead_through_cells<L: Lanes, const KEEPS: bool>(
     l: L,
     fields: &[Field<'_>],
-    departure: &Departure,
+    departure: &mut Departure,
     step: &Step<'_>,
     waves: &mut [Waves],
     passage: &mut Passage,
     reached: &mut [f32],
     patches: &mut Patches,
 ) {
-    fetch_group(l, fields, departure, step.count, passage, 0);
-    for at in (0..step.count).step_by(LANES) {
-        fetch_group(l, fields, departure, step.count, passage, at + LANES);
-        let mask = departure.masks[at / LANES];
-        if mask == 0 {
-            continue;
-        }
-        let level = departure.levels[at / LANES] as usize;
-        let field = &fields[level];
-        let (waves, behind) = waves[level..].split_at_mut(1);
-        let Waves { low, high } = &mut waves[0];
-        let mut coarser = Coarser::behind(fields, level, behind);
-        let ray = step.ray(l, field, departure, at);
-        let t = l.load(group(&departure.t, at));
-        let cell = departure.cell(l, at);
-        let met = meet(l, field, &ray, t, cell, passage, at);
-        let mask = l.mask(mask);
-        let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
-        let reached = group_mut(reached, departure.firsts[at / LANES] as usize);
-        if KEEPS {
-            // Those that go on write theirs later.
-            let patch = met.patch.only(l, hit);
-            patches.store(l, departure.firsts[at / LANES] as usize, &patch);
-        }
-        let hit_t = l.mul(met.hit_t, l.splat(field.scale));
-        l.store(l.select(hit, hit_t, l.load(reached)), reached);
-        let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
-        if l.bits(going) == 0 {
-            continue;
-        }
-        let ends = [low.len(), high.len()];
-        let [kept, risen] = go_on(l, field, low, high, ends, going, &ray, &met, cell);
-        low.truncate(kept);
-        high.truncate(risen);
+    let groups = || (0..step.count).step_by(LANES);
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in groups() {
+                if departure.masks[at / LANES] == 0 {
+                    continue;
+                }
+                let field = &fields[departure.levels[at / LANES] as usize];
+                let ray = step.ray(l, field, departure, at);
+                let (t, cell) = (l.load(group(&departure.t, at)), departure.cell(l, at));
+                let posts = fetch(l, field, passage, at);
+                let (crossing, patch) = cross(l, field, &ray, t, cell, posts);
+                if KEEPS {
+                    patches.store(l, departure.firsts[at / LANES] as usize, &patch);
+                }
+                if L::IN_ONE_LOOP {
+                    end::<L, KEEPS>(
+                        l, fields, departure, step, waves, at, &crossing, reached, patches,
+                    );
+                } else {
+                    departure.put_cell(l, at, crossing.next_cell);
+                    passage.keep_crossing(l, at, &crossing);
+                }
+            }
+        },
+    );
+    if L::IN_ONE_LOOP {
+        return;
     }
+    l.vectorize(
+        #[inline(always)]
+        || {
+            for at in groups() {
+                if departure.masks[at / LANES] != 0 {
+                    let crossing = passage.crossing(l, at, departure.cell(l, at));
+                    end::<L, KEEPS>(
+                        l, fields, departure, step, waves, at, &crossing, reached, patches,
+                    );
+                }
+            }
+        },
+    );
+}
+
+/// Ends the way through their cells of the group's rays that begins at lane `at`.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "as `depart` has")]
+fn end<L: Lanes, const KEEPS: bool>(
+    l: L,
+    fields: &[Field<'_>],
+    departure: &Departure,
+    step: &Step<'_>,
+    waves: &mut [Waves],
+    at: usize,
+    crossing: &Crossing<L>,
+    reached: &mut [f32],
+    patches: &mut Patches,
+) {
+    let number = at / LANES;
+    let mask = l.mask(departure.masks[number]);
+    let level = departure.levels[number] as usize;
+    let first = departure.firsts[number] as usize;
+    let field = &fields[level];
+    let (waves, behind) = waves[level..].split_at_mut(1);
+    let Waves { low, high } = &mut waves[0];
+    let mut coarser = Coarser::behind(fields, level, behind);
+    let ray = step.ray(l, field, departure, at);
+    let met = meet(l, l.load(group(&departure.t, at)), crossing);
+    let hit = hits_here(l, field, mask, &ray, &met, crossing, coarser.as_mut());
+    if KEEPS {
+        // Those that go on write theirs later.
+        patches.keep_cells(l, first, hit);
+    }
+    let reached = group_mut(reached, first);
+    let hit_t = l.mul(met.hit_t, l.splat(field.scale));
+    l.store(l.select(hit, hit_t, l.load(reached)), reached);
+    let going = l.and_not(l.and(mask, l.lt(crossing.next, ray.leave)), hit);
+    if l.bits(going) == 0 {
+        return;
+    }
+    let ends = [low.len(), high.len()];
+    let [kept, risen] = go_on(l, field, low, high, ends, going, &ray, crossing);
+    low.truncate(kept);
+    high.truncate(risen);
 }

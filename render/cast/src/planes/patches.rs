@@ -29,15 +29,6 @@ pub(super) struct Patch<L: Lanes> {
 }
 
 impl<L: Lanes> Patch<L> {
-    /// None but in the lanes of `mask`.
-    #[inline(always)]
-    pub(super) fn only(&self, l: L, mask: L::M) -> Self {
-        Self {
-            cell: l.select_i(mask, self.cell, l.splat_i(NONE)),
-            ..*self
-        }
-    }
-
     #[inline(always)]
     pub(super) fn bits(&self, l: L) -> [L::I; NUMBERS] {
         [
@@ -134,6 +125,13 @@ impl Patches {
         for (number, bits) in patch.bits(l).into_iter().enumerate() {
             l.store_i(bits, group_mut(&mut self.bits, number * self.apart + at));
         }
+    }
+
+    /// Leaves only those of a group's cells in the lanes of `mask`.
+    #[inline(always)]
+    pub(super) fn keep_cells<L: Lanes>(&mut self, l: L, at: usize, mask: L::M) {
+        let cells = group_mut(&mut self.bits, at);
+        l.store_i(l.select_i(mask, l.load_i(cells), l.splat_i(NONE)), cells);
     }
 
     /// Writes what sixteen rays met to their numbers; of those that met nothing, to where no ray has
@@ -303,7 +301,7 @@ mod tests {
     use crate::planes::frame::Level;
     use crate::planes::roofs::Roofs;
     use crate::planes::steepness::Steepness;
-    use crate::planes::walk::{Passage, fetch, meet, place};
+    use crate::planes::walk::{Passage, cross, fetch, meet, place};
     use crate::planes::wave::Ray;
     use glam::DVec2;
     use sandtable_terrain::Ground;
@@ -344,11 +342,11 @@ mod tests {
             };
             let cells = cell.map(|cell| l.splat_i(cell));
             place(l, &field, l.mask(u16::MAX), cells, &mut passage, 0);
-            fetch(l, &field, &mut passage, 0);
+            let posts = fetch(l, &field, &passage, 0);
             let fall = |field: &Field<'_>, slope: f32| {
                 let ray = ray(slope);
-                let met = meet(l, field, &ray, t, cells, &passage, 0);
-                let path = Path::new(l, field, [ray.advance, ray.slope], t, &met.patch);
+                let (_, patch) = cross(l, field, &ray, t, cells, posts);
+                let path = Path::new(l, field, [ray.advance, ray.slope], t, &patch);
                 [path.end.here[0], path.end.rate[0]]
             };
             // Half of the rays run almost along the ground; all are a little over it here.
@@ -359,15 +357,17 @@ mod tests {
             }
             field.eye_height += height - fall(&field, slope)[0];
             let ray = ray(slope);
-            let met = meet(l, &field, &ray, t, cells, &passage, 0);
-            let path = Path::new(l, &field, [ray.advance, ray.slope], t, &met.patch);
+            let (crossing, patch) = cross(l, &field, &ray, t, cells, posts);
+            let met = meet(l, t, &crossing);
+            let path = Path::new(l, &field, [ray.advance, ray.slope], t, &patch);
             assert!(l.bits(path.is_in) & 1 == 1, "{cell:?} at {major}");
             let (hit, further) = path.end.find(l, ray.advance);
             let (hit, hits_here) = (l.bits(hit) & 1 == 1, l.bits(met.hit) & 1 == 1);
             if hit != hits_here {
                 // Just at the line behind the cell, or where a ray touches the ground.
-                let grazes = met.clearance[0].abs() < 1e-4 || path.end.discriminant[0].abs() < 1e-3;
-                assert!(grazes, "{k}: {hit} {hits_here} {}", met.clearance[0]);
+                let grazes =
+                    crossing.clearance[0].abs() < 1e-4 || path.end.discriminant[0].abs() < 1e-3;
+                assert!(grazes, "{k}: {hit} {hits_here} {}", crossing.clearance[0]);
                 continue;
             }
             if hit {
@@ -376,12 +376,12 @@ mod tests {
                 let close = (found - expected).abs() < 5e-3;
                 assert!(close, "{k}: at {found} instead of {expected}");
                 hits += 1;
-                bends += u32::from(met.clearance[0] > 0.0);
+                bends += u32::from(crossing.clearance[0] > 0.0);
                 continue;
             }
             let crosses_minor = path.next[0] & CROSSES_MINOR != 0;
             let line = path.line[0] * if crosses_minor { 1.0 / advance } else { 1.0 };
-            assert!((line - met.next[0]).abs() < 1e-4 * line, "{k}");
+            assert!((line - crossing.next[0]).abs() < 1e-4 * line, "{k}");
             let next = next_cell(l, path.next).map(|cell| cell[0]);
             let stepped = [cell[0] + 1, cell[1] + 1];
             let expected = if crosses_minor {

@@ -4,14 +4,14 @@ use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::{NUMBERS, Patch, Patches, packed};
-use super::wave::{CAPACITY, Column, Ray, Wave};
+use super::wave::{CAPACITY, Column, Ray, Wave, first_lanes};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// What one cell's or block's passage needs between its loops.
 #[repr(align(64))]
 pub(super) struct Passage {
     pub(super) place: Column<i32>,
-    posts: [Column<f32>; 4],
+    crossings: [Column<f32>; 5],
     /// The ground that rays met, and the numbers of these rays: of those that met none, one that no ray
     /// has.
     ids: Column<i32>,
@@ -22,7 +22,7 @@ impl Default for Passage {
     fn default() -> Self {
         Self {
             place: [0; CAPACITY],
-            posts: [[0.0; CAPACITY]; 4],
+            crossings: [[0.0; CAPACITY]; 5],
             ids: [0; CAPACITY],
             patches: [[0; CAPACITY]; NUMBERS],
         }
@@ -30,14 +30,49 @@ impl Default for Passage {
 }
 
 impl Passage {
-    /// Keeps the ground that a group's rays meet until all have gone their way.
     #[inline(always)]
-    fn keep<L: Lanes>(&mut self, l: L, at: usize, hit: L::M, id: L::I, patch: &Patch<L>) {
-        let id = l.select_i(hit, id, l.splat_i(i32::MAX));
-        l.store_i(id, group_mut(&mut self.ids, at));
+    pub(super) fn keep_crossing<L: Lanes>(&mut self, l: L, at: usize, crossing: &Crossing<L>) {
+        let Crossing {
+            next,
+            clear,
+            clearance,
+            linear,
+            discriminant,
+            ..
+        } = *crossing;
+        let numbers = [next, clear, clearance, linear, discriminant];
+        for (to, numbers) in self.crossings.iter_mut().zip(numbers) {
+            l.store(numbers, group_mut(to, at));
+        }
+    }
+
+    /// How a group's rays come through their cells, as it was kept.
+    #[inline(always)]
+    pub(super) fn crossing<L: Lanes>(&self, l: L, at: usize, next_cell: [L::I; 2]) -> Crossing<L> {
+        let [next, clear, clearance, linear, discriminant] = &self.crossings;
+        Crossing {
+            next: l.load(group(next, at)),
+            next_cell,
+            clear: l.load(group(clear, at)),
+            clearance: l.load(group(clearance, at)),
+            linear: l.load(group(linear, at)),
+            discriminant: l.load(group(discriminant, at)),
+        }
+    }
+
+    /// Keeps the ground in a group's cells until all have gone their way.
+    #[inline(always)]
+    fn keep_patch<L: Lanes>(&mut self, l: L, at: usize, patch: &Patch<L>) {
         for (to, bits) in self.patches.iter_mut().zip(patch.bits(l)) {
             l.store_i(bits, group_mut(to, at));
         }
+    }
+
+    /// And which rays meet it there.
+    #[inline(always)]
+    fn keep_ids<L: Lanes>(&mut self, l: L, at: usize, hit: L::M, id: L::I) {
+        let id = l.select_i(hit, id, l.splat_i(i32::MAX));
+        l.store_i(id, group_mut(&mut self.ids, at));
     }
 }
 
@@ -87,12 +122,9 @@ pub(super) fn ask<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: usiz
 
 /// Fetches the posts of a group's cells.
 #[inline(always)]
-pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at: usize) {
+pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: usize) -> [L::F; 4] {
     let place = group(&passage.place, at);
-    let posts = l.cells(&field.heights.items, place, field.heights.stride);
-    for (to, posts) in passage.posts.iter_mut().zip(posts) {
-        l.store(posts, group_mut(to, at));
-    }
+    l.cells(&field.heights.items, place, field.heights.stride)
 }
 
 /// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
@@ -100,8 +132,8 @@ pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &mut Passage, at
 /// dropped; those that end far over it go to `high`, and those that are too far for this resolution
 /// to `coarser`.
 ///
-/// Three loops, as each has so little between one group's begin and end that the processor works on
-/// several groups at once.
+/// Several loops, as each has so little between one group's begin and end that the processor works on
+/// several groups at once: above all, none waits for roots and divisions before it knows its way.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
 pub(super) fn walk<L: Lanes, const KEEPS: bool>(
@@ -114,10 +146,12 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
     patches: &mut Patches,
     coarser: Option<Coarser<'_>>,
 ) {
+    let rays = wave.len();
+    let groups = || (0..rays).step_by(LANES);
     l.vectorize(
         #[inline(always)]
         || {
-            for at in (0..wave.len()).step_by(LANES) {
+            for at in groups() {
                 let mask = l.mask(wave.mask(at));
                 place(l, field, mask, wave.cell(l, at), passage, at);
             }
@@ -126,54 +160,98 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
     l.vectorize(
         #[inline(always)]
         || {
-            for at in (0..wave.len()).step_by(LANES) {
+            for at in groups() {
                 ask(l, field, passage, at);
-            }
-            for at in (0..wave.len()).step_by(LANES) {
-                fetch(l, field, passage, at);
             }
         },
     );
+    let mut ends = Ends {
+        field,
+        len: [0, high.len()],
+        high,
+        reached,
+        coarser,
+    };
     l.vectorize(
         #[inline(always)]
-        || pass::<L, KEEPS>(l, field, wave, high, passage, reached, patches, coarser),
+        || {
+            for at in groups() {
+                let (ray, cell) = (wave.ray(l, at), wave.cell(l, at));
+                let posts = fetch(l, field, passage, at);
+                let (crossing, patch) = cross(l, field, &ray, wave.t(l, at), cell, posts);
+                if KEEPS {
+                    passage.keep_patch(l, at, &patch);
+                }
+                if L::IN_ONE_LOOP {
+                    ends.take::<L, KEEPS>(l, wave, passage, at, rays, &crossing);
+                } else {
+                    wave.set_cell(l, at, crossing.next_cell);
+                    passage.keep_crossing(l, at, &crossing);
+                }
+            }
+        },
     );
+    if !L::IN_ONE_LOOP {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in groups() {
+                    let crossing = passage.crossing(l, at, wave.cell(l, at));
+                    ends.take::<L, KEEPS>(l, wave, passage, at, rays, &crossing);
+                }
+            },
+        );
+    }
+    let [kept, risen] = ends.len;
+    ends.high.truncate(risen);
+    wave.truncate(kept);
+    if KEEPS {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in groups() {
+                    patches.scatter(&passage.ids, &passage.patches, at);
+                }
+            },
+        );
+    }
 }
 
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "as `walk` has")]
-fn pass<L: Lanes, const KEEPS: bool>(
-    l: L,
-    field: &Field<'_>,
-    wave: &mut Wave,
-    high: &mut Wave,
-    passage: &mut Passage,
-    reached: &mut [f32],
-    patches: &mut Patches,
-    mut coarser: Option<Coarser<'_>>,
-) {
-    let scale = l.splat(field.scale);
-    let rays = wave.len();
-    let (mut kept, mut risen) = (0, high.len());
-    for at in (0..rays).step_by(LANES) {
-        let mask = l.mask(wave.mask(at));
+/// Where a wave's rays go from their cells.
+struct Ends<'a, 'b> {
+    field: &'a Field<'a>,
+    high: &'a mut Wave,
+    reached: &'a mut [f32],
+    coarser: Option<Coarser<'b>>,
+    /// How many rays are low and high behind their cells so far.
+    len: [usize; 2],
+}
+
+impl Ends<'_, '_> {
+    /// Takes the group that begins at ray `at` of `rays` ones; those that stay low are closed up in
+    /// `wave` itself.
+    #[inline(always)]
+    fn take<L: Lanes, const KEEPS: bool>(
+        &mut self,
+        l: L,
+        wave: &mut Wave,
+        passage: &mut Passage,
+        at: usize,
+        rays: usize,
+        crossing: &Crossing<L>,
+    ) {
+        let Self { field, len, .. } = *self;
+        let mask = l.mask(first_lanes((rays - at) as i32));
         let ray = wave.ray(l, at);
-        let cell = wave.cell(l, at);
-        let met = meet(l, field, &ray, wave.t(l, at), cell, passage, at);
-        let hit = hits_here(l, field, mask, &ray, &met, coarser.as_mut());
-        l.scatter(hit, ray.id, l.mul(met.hit_t, scale), reached);
+        let met = meet(l, wave.t(l, at), crossing);
+        let hit = hits_here(l, field, mask, &ray, &met, crossing, self.coarser.as_mut());
+        let hit_t = l.mul(met.hit_t, l.splat(field.scale));
+        l.scatter(hit, ray.id, hit_t, self.reached);
         if KEEPS {
-            passage.keep(l, at, hit, ray.id, &met.patch);
+            passage.keep_ids(l, at, hit, ray.id);
         }
-        let going = l.and_not(l.and(mask, l.lt(met.next, ray.leave)), hit);
-        [kept, risen] = go_on(l, field, wave, high, [kept, risen], going, &ray, &met, cell);
-    }
-    wave.truncate(kept);
-    high.truncate(risen);
-    if KEEPS {
-        for at in (0..rays).step_by(LANES) {
-            patches.scatter(&passage.ids, &passage.patches, at);
-        }
+        let going = l.and_not(l.and(mask, l.lt(crossing.next, ray.leave)), hit);
+        self.len = go_on(l, field, wave, self.high, len, going, &ray, crossing);
     }
 }
 
@@ -186,23 +264,24 @@ pub(super) fn hits_here<L: Lanes>(
     mask: L::M,
     ray: &Ray<L>,
     met: &Met<L>,
+    crossing: &Crossing<L>,
     coarser: Option<&mut Coarser<'_>>,
 ) -> L::M {
     let mut hit = l.and(mask, met.hit);
     if let Some(coarser) = coarser {
-        let ends = l.and_not(mask, l.lt(met.next, ray.leave));
+        let ends = l.and_not(mask, l.lt(crossing.next, ray.leave));
         if l.bits(ends) != 0 {
             // The last cell of a coarse level may reach out over the ground's border.
             let leave = field.leave(l, ray.inverse, ray.slope);
             hit = l.and_not(hit, l.and(ends, l.lt(leave, met.hit_t)));
-            let passes = l.and_not(l.and(ends, l.lt(met.next, leave)), hit);
-            coarser.take(l, passes, ray, met.next, leave, None);
+            let passes = l.and_not(l.and(ends, l.lt(crossing.next, leave)), hit);
+            coarser.take(l, passes, ray, crossing.next, leave, None);
         }
     }
     hit
 }
 
-/// Writes the rays of `going`, behind the cell that they met, to `low` and `high`, closed up from
+/// Writes the rays of `going`, behind the cell that they cross, to `low` and `high`, closed up from
 /// `ends` on; gives where the next go.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what rays are made of")]
@@ -214,64 +293,62 @@ pub(super) fn go_on<L: Lanes>(
     [kept, risen]: [usize; 2],
     going: L::M,
     ray: &Ray<L>,
-    met: &Met<L>,
-    [major, minor]: [L::I; 2],
+    crossing: &Crossing<L>,
 ) -> [usize; 2] {
-    let one_cell = l.splat_i(1);
-    let major = l.add_i_where(met.crosses_major, major, one_cell);
-    let minor = l.add_i_where(l.and_not(going, met.crosses_major), minor, one_cell);
+    let Crossing {
+        next,
+        clearance,
+        next_cell: cell,
+        ..
+    } = *crossing;
     let rate = field.closing_rate(l, ray.slope);
-    let up = l.and(going, l.lt(l.mul(rate, l.splat(NEAR)), met.clearance));
-    let kept = low.put(l, kept, l.and_not(going, up), ray, met.next, [major, minor]);
+    let up = l.and(going, l.lt(l.mul(rate, l.splat(NEAR)), clearance));
+    let stays = l.and_not(going, up);
+    let kept = low.close_up(l, kept, stays, ray, next, cell);
     if l.bits(up) == 0 {
         return [kept, risen];
     }
-    let level = level_for(l, l.div(met.clearance, rate));
-    let risen = high.put_at_level(l, risen, up, ray, met.next, [major, minor], level);
+    let level = level_for(l, l.div(clearance, rate));
+    let risen = high.put_at_level(l, risen, up, ray, next, cell, level);
     [kept, risen]
 }
 
-/// How rays came through a cell.
-pub(super) struct Met<L: Lanes> {
-    /// Those that meet the ground in it, and at which t.
-    pub(super) hit: L::M,
-    pub(super) hit_t: L::F,
-    /// The t behind the cell, the clearance there in metres, and whether that is at a line across
-    /// the major axis.
+/// How rays come through their cells.
+pub(super) struct Crossing<L: Lanes> {
+    /// The t behind the cell, the clearance there in metres, and the mirrored cell.
     pub(super) next: L::F,
     pub(super) clearance: L::F,
-    crosses_major: L::M,
-    /// The cell's ground.
-    pub(super) patch: Patch<L>,
+    pub(super) next_cell: [L::I; 2],
+    /// The clearance before it (0 where the ray is below the ground), and of the quadratic over the
+    /// way between, from 0 to 1: the linear part, and what the root is taken of.
+    clear: L::F,
+    linear: L::F,
+    discriminant: L::F,
 }
 
-/// Where rays that are at t in a mirrored cell meet the ground in it.
+/// Where rays meet the ground in their cells.
+pub(super) struct Met<L: Lanes> {
+    /// Those that do, and at which t.
+    pub(super) hit: L::M,
+    pub(super) hit_t: L::F,
+}
+
+/// How rays that are at t come through a mirrored cell with `posts`, and the cell's ground.
 #[inline(always)]
-pub(super) fn meet<L: Lanes>(
+pub(super) fn cross<L: Lanes>(
     l: L,
     field: &Field<'_>,
     ray: &Ray<L>,
     t: L::F,
     [major, minor]: [L::I; 2],
-    passage: &Passage,
-    at: usize,
-) -> Met<L> {
-    let (zero, one) = (l.splat(0.0), l.splat(1.0));
+    posts: [L::F; 4],
+) -> (Crossing<L>, Patch<L>) {
+    let zero = l.splat(0.0);
     let major_line = l.splat(1.0 - field.major.fraction);
     let minor_line = l.splat(1.0 - field.minor.fraction);
     let eye = l.splat(field.eye_height);
     let eye_rest = l.splat(field.eye_rest);
-    let [sw, se, nw, ne] = &passage.posts;
-    let posts = [sw, se, nw, ne].map(|posts| group(posts, at));
-    let [near, far_major, far_minor, both] = corners::<L>(
-        field,
-        [
-            l.load(posts[0]),
-            l.load(posts[1]),
-            l.load(posts[2]),
-            l.load(posts[3]),
-        ],
-    );
+    let [near, far_major, far_minor, both] = corners::<L>(field, posts);
     // Where the lines behind the cell lie.
     let to_major = l.add(l.to_float(major), major_line);
     let to_minor = l.add(l.to_float(minor), minor_line);
@@ -304,31 +381,56 @@ pub(super) fn meet<L: Lanes>(
     let length = l.sub(next, t);
     let bend = l.mul(l.mul(twist, ray.advance), l.mul(length, length));
     // Its first root, in the form that neither cancels nor divides by a bend of 0.
-    let start = l.max(clearance, zero);
-    let linear = l.add(l.sub(next_clearance, start), bend);
-    let twice = l.add(start, start);
-    let discriminant = l.add(l.mul(linear, linear), l.mul(l.add(twice, twice), bend));
+    let clear = l.max(clearance, zero);
+    let linear = l.add(l.sub(next_clearance, clear), bend);
+    let fourfold = l.mul(clear, l.splat(4.0));
+    let discriminant = l.add(l.mul(linear, linear), l.mul(fourfold, bend));
+    let one = l.splat_i(1);
+    let crossing = Crossing {
+        next,
+        clearance: next_clearance,
+        next_cell: [
+            l.add_i_where(crosses_major, major, one),
+            l.add_i(minor, l.select_i(crosses_major, l.splat_i(0), one)),
+        ],
+        clear,
+        linear,
+        discriminant,
+    };
+    let patch = Patch {
+        cell: packed(l, [major, minor]),
+        corner,
+        by_minor,
+        by_major,
+        twist,
+    };
+    (crossing, patch)
+}
+
+/// Where rays that are at t in a cell meet the ground in it.
+#[inline(always)]
+pub(super) fn meet<L: Lanes>(l: L, t: L::F, crossing: &Crossing<L>) -> Met<L> {
+    let (zero, one) = (l.splat(0.0), l.splat(1.0));
+    let Crossing {
+        next,
+        clearance,
+        clear,
+        linear,
+        discriminant,
+        ..
+    } = *crossing;
     let root = l.sqrt(l.max(discriminant, zero));
     let divisor = l.sub(root, linear);
+    let twice = l.add(clear, clear);
     // Both ends in the air: a root only where the quadratic dips below 0 in between.
     let dips = l.and(
         l.and(l.le(zero, discriminant), l.lt(linear, zero)),
         l.lt(twice, divisor),
     );
-    let below = l.or(l.le(next_clearance, zero), l.le(clearance, zero));
+    let below = l.or(l.le(clearance, zero), l.le(clear, zero));
     let share = l.min(l.div(twice, l.max(divisor, l.splat(1e-30))), one);
     Met {
         hit: l.or(below, dips),
-        hit_t: l.add(t, l.mul(share, length)),
-        next,
-        clearance: next_clearance,
-        crosses_major,
-        patch: Patch {
-            cell: packed(l, [major, minor]),
-            corner,
-            by_minor,
-            by_major,
-            twist,
-        },
+        hit_t: l.add(t, l.mul(share, l.sub(next, t))),
     }
 }

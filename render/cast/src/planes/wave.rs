@@ -8,6 +8,15 @@ pub(super) const CAPACITY: usize = CHUNK + 16 * LANES;
 /// Rays that set out at once at most.
 pub(super) const CHUNK: usize = 1024;
 
+/// The part of a group of which `count` lanes are rays.
+pub(super) fn first_lanes(count: i32) -> u16 {
+    if count >= LANES as i32 {
+        u16::MAX
+    } else {
+        (1 << count) - 1
+    }
+}
+
 /// One number of each ray.
 pub(super) type Column<T> = [T; CAPACITY];
 
@@ -72,12 +81,7 @@ impl Wave {
     /// Which lanes of the group that begins at ray `at` are rays.
     #[inline(always)]
     pub(super) fn mask(&self, at: usize) -> u16 {
-        let left = self.len - at;
-        if left >= LANES {
-            u16::MAX
-        } else {
-            (1 << left) - 1
-        }
+        first_lanes((self.len - at) as i32)
     }
 
     #[inline(always)]
@@ -103,6 +107,24 @@ impl Wave {
             l.load_i(group(&self.major, at)),
             l.load_i(group(&self.minor, at)),
         ]
+    }
+
+    /// Moves a group's rays to t in a cell.
+    #[inline(always)]
+    pub(super) fn set_place<L: Lanes>(&mut self, l: L, at: usize, t: L::F, cell: [L::I; 2]) {
+        l.store(t, group_mut(&mut self.t, at));
+        self.set_cell(l, at, cell);
+    }
+
+    #[inline(always)]
+    pub(super) fn set_cell<L: Lanes>(&mut self, l: L, at: usize, [major, minor]: [L::I; 2]) {
+        l.store_i(major, group_mut(&mut self.major, at));
+        l.store_i(minor, group_mut(&mut self.minor, at));
+    }
+
+    #[inline(always)]
+    pub(super) fn set_level<L: Lanes>(&mut self, l: L, at: usize, level: L::I) {
+        l.store_i(level, group_mut(&mut self.level, at));
     }
 
     #[inline(always)]
@@ -137,6 +159,21 @@ impl Wave {
             l.store_i(minor, group_mut(&mut self.minor, to));
             return to + LANES;
         }
+        self.close_up(l, to, mask, ray, t, [major, minor])
+    }
+
+    /// As `put`, for where it is not foreseen whether rays stay together: then asking takes longer than
+    /// closing up.
+    #[inline(always)]
+    pub(super) fn close_up<L: Lanes>(
+        &mut self,
+        l: L,
+        to: usize,
+        mask: L::M,
+        ray: &Ray<L>,
+        t: L::F,
+        [major, minor]: [L::I; 2],
+    ) -> usize {
         l.compress(mask, ray.advance, group_mut(&mut self.advance, to));
         l.compress(mask, ray.inverse, group_mut(&mut self.inverse, to));
         l.compress(mask, ray.slope, group_mut(&mut self.slope, to));
@@ -161,8 +198,14 @@ impl Wave {
         cell: [L::I; 2],
         level: L::I,
     ) -> usize {
-        l.compress_i(mask, level, group_mut(&mut self.level, to));
+        self.close_up_levels(l, to, mask, level);
         self.put(l, to, mask, ray, t, cell)
+    }
+
+    /// Closes up levels of blocks, as `close_up` does with the rays that have them.
+    #[inline(always)]
+    pub(super) fn close_up_levels<L: Lanes>(&mut self, l: L, to: usize, mask: L::M, level: L::I) {
+        l.compress_i(mask, level, group_mut(&mut self.level, to));
     }
 
     /// Adds the rays of `mask`.

@@ -5,11 +5,11 @@ use super::March;
 use super::directions::Aim;
 use super::predecessor::Predecessor;
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
-use super::set_out::{first_lanes, same_lanes};
+use super::set_out::same_lanes;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::patches::{CROSSES_MINOR, End, NONE, Path, next_cell};
-use crate::planes::wave::{CHUNK, Ray};
+use crate::planes::wave::{CHUNK, Ray, first_lanes};
 use crate::tally::Tally;
 
 /// The most rays that wait to be put on their way.

@@ -8,7 +8,7 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
 use crate::planes::depart::{Departing, Departure};
-use crate::planes::wave::{Ray, Waves};
+use crate::planes::wave::{Ray, Waves, first_lanes};
 use crate::tally::Tally;
 
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
@@ -40,15 +40,6 @@ impl<L: Lanes> Stay<L> {
     pub(super) fn nothing(&self, l: L) -> L::F {
         // Below 0 even where there is no ground at all.
         l.sub(l.splat(0.0), l.max(self.leave, l.splat(f32::MIN_POSITIVE)))
-    }
-}
-
-/// The part of a group of which `count` lanes are pixels.
-pub(super) fn first_lanes(count: i32) -> u16 {
-    if count >= LANES as i32 {
-        u16::MAX
-    } else {
-        (1 << count) - 1
     }
 }
 
