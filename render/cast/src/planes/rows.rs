@@ -215,13 +215,21 @@ impl<'a, L: Lanes> March<'a, L> {
 
     /// The first step of which rays are still on their way, or the one behind `step`.
     fn first_open(&self, step: u32, scratch: &Scratch) -> u32 {
-        let waves = scratch.waves.iter();
-        let open = waves.flat_map(|waves| waves.low.ids().iter().chain(waves.high.ids()));
-        let steps_back = open.map(|&id| {
-            let slot = id as u32 >> self.room.trailing_zeros();
-            step.wrapping_sub(slot) % MEMORY as u32
-        });
-        steps_back.max().map_or(step + 1, |back| step - back)
+        let shift = self.room.trailing_zeros();
+        let mut back = None;
+        self.l.vectorize(
+            #[inline(always)]
+            || {
+                for waves in &scratch.waves {
+                    for wave in [&waves.low, &waves.high] {
+                        let steps_back =
+                            |&id: &i32| step.wrapping_sub(id as u32 >> shift) % MEMORY as u32;
+                        back = back.max(wave.ids().iter().map(steps_back).max());
+                    }
+                }
+            },
+        );
+        back.map_or(step + 1, |back| step - back)
     }
 
     /// Colours steps from `from` to before `to`; gives where to go on.

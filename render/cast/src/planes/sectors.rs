@@ -81,7 +81,10 @@ impl Sector {
     }
 
     fn has_pixels(&self) -> bool {
-        (0..self.steps).step_by(AHEAD).any(|k| {
+        // From the middle on, as sectors run out into points.
+        let middle = self.steps / 2 / AHEAD as u32 * AHEAD as u32;
+        let behind = (middle..self.steps).step_by(AHEAD);
+        behind.chain((0..middle).step_by(AHEAD)).any(|k| {
             let ahead = self.lanes_from::<AHEAD>(k);
             let mut lanes = ahead.iter().take((self.steps - k) as usize);
             lanes.any(|[from, to]| from < to)
