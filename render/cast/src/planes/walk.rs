@@ -4,13 +4,15 @@ use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::{NUMBERS, Patch, Patches, packed};
-use super::wave::{CAPACITY, Column, Ray, Wave, first_lanes};
+use super::wave::{CAPACITY, Column, Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// What one cell's or block's passage needs between its loops.
 #[repr(align(64))]
 pub(super) struct Passage {
     pub(super) place: Column<i32>,
+    /// How rays come through their cells, until it is known where they meet the ground there: the numbers
+    /// of a [`Crossing`].
     crossings: [Column<f32>; 5],
     /// The ground that rays met, and the numbers of these rays: of those that met none, one that no ray
     /// has.
@@ -183,7 +185,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
                     passage.keep_patch(l, at, &patch);
                 }
                 if L::IN_ONE_LOOP {
-                    ends.take::<L, KEEPS>(l, wave, passage, at, rays, &crossing);
+                    ends.take::<L, KEEPS>(l, wave, passage, at, &crossing);
                 } else {
                     wave.set_cell(l, at, crossing.next_cell);
                     passage.keep_crossing(l, at, &crossing);
@@ -197,7 +199,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
             || {
                 for at in groups() {
                     let crossing = passage.crossing(l, at, wave.cell(l, at));
-                    ends.take::<L, KEEPS>(l, wave, passage, at, rays, &crossing);
+                    ends.take::<L, KEEPS>(l, wave, passage, at, &crossing);
                 }
             },
         );
@@ -228,8 +230,7 @@ struct Ends<'a, 'b> {
 }
 
 impl Ends<'_, '_> {
-    /// Takes the group that begins at ray `at` of `rays` ones; those that stay low are closed up in
-    /// `wave` itself.
+    /// Takes the group that begins at ray `at`; those that stay low are closed up in `wave` itself.
     #[inline(always)]
     fn take<L: Lanes, const KEEPS: bool>(
         &mut self,
@@ -237,11 +238,10 @@ impl Ends<'_, '_> {
         wave: &mut Wave,
         passage: &mut Passage,
         at: usize,
-        rays: usize,
         crossing: &Crossing<L>,
     ) {
         let Self { field, len, .. } = *self;
-        let mask = l.mask(first_lanes((rays - at) as i32));
+        let mask = l.mask(wave.mask(at));
         let ray = wave.ray(l, at);
         let met = meet(l, wave.t(l, at), crossing);
         let hit = hits_here(l, field, mask, &ray, &met, crossing, self.coarser.as_mut());
