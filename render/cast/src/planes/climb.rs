@@ -168,7 +168,7 @@ pub(super) fn climb<L: Lanes>(
         let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
         let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
         let next = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
-        // Levels are positive: what has left is told by the sign.
+        // No level is negative: the sign tells what has left.
         let next = l.select_i(left, l.sub_i(l.splat_i(-1), level), next);
         wave.set_place(l, at, to.t, to.cell);
         wave.set_level(l, at, next);

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::rows::Directions;
 use super::sectors::Sector;
 use super::texture::{Halves, Mipmapped};
-use super::wave::{CAPACITY, Column};
+use super::wave::{CAPACITY, Column, first_lanes};
 use crate::lanes::{LANES, Lanes, Texels, group, group_mut};
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 use sandtable_terrain::{Ground, Photo, hypsometric_tints};
@@ -208,12 +208,7 @@ pub(super) struct Chunk<'a> {
 impl Chunk<'_> {
     /// Which lanes of the group that begins at lane `at` there are.
     fn mask(&self, at: usize) -> u16 {
-        let left = self.count - at;
-        if left >= LANES {
-            u16::MAX
-        } else {
-            (1 << left) - 1
-        }
+        first_lanes((self.count - at) as i32)
     }
 }
 

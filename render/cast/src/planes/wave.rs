@@ -8,7 +8,7 @@ pub(super) const CAPACITY: usize = CHUNK + 16 * LANES;
 /// Rays that set out at once at most.
 pub(super) const CHUNK: usize = 1024;
 
-/// The part of a group of which `count` lanes are rays.
+/// The first `count` lanes of a group, or all where there are more.
 pub(super) fn first_lanes(count: i32) -> u16 {
     if count >= LANES as i32 {
         u16::MAX
