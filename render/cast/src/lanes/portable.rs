@@ -97,7 +97,7 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
+        run(work)
     }
 
     #[inline(always)]
@@ -491,4 +491,10 @@ fn rounded_product(a: i16, b: i16) -> i16 {
     let product = i32::from(a) * i32::from(b);
     let (high, low) = ((product >> 16) as i16, product as u16);
     (high << 1).wrapping_add((((low >> 14) + 1) >> 1) as i16)
+}
+
+/// Where all kernels are one function, the compiler loses the overview of it.
+#[inline(never)]
+fn run<R>(work: impl FnOnce() -> R) -> R {
+    work()
 }

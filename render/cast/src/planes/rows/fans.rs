@@ -7,6 +7,7 @@ mod march;
 mod rays;
 mod sight;
 
+use self::march::PLANES;
 use super::March;
 use super::directions::STEEP;
 use super::scratch::{MARGIN, MEMORY, Scratch};
@@ -39,14 +40,22 @@ impl<L: Lanes> March<'_, L> {
         while let Some(fan) = fans.pop() {
             // One more, as scratch.
             let mut seen = scratch.take_seen((fan.to - fan.from) as usize * fan.room() + 1);
-            for first in (0..fan.planes()).step_by(march::PLANES) {
-                l.vectorize(
+            let mut skies = std::mem::take(&mut scratch.skies);
+            skies.clear();
+            for first in (0..fan.planes()).step_by(PLANES) {
+                skies.push(l.vectorize(
                     #[inline(always)]
                     || self.march(&fan, first, scratch, &mut seen),
-                );
+                ));
             }
-            scratch.seen = seen;
+            (scratch.seen, scratch.skies) = (seen, skies);
             for step in fan.from..fan.to {
+                for (number, &sky_from) in scratch.skies.iter().enumerate() {
+                    if sky_from <= step {
+                        let at = fan.place(step, number * PLANES);
+                        scratch.seen[at..at + PLANES].fill([0; 2]);
+                    }
+                }
                 let lanes = fan.lanes(step);
                 scratch.lanes[step as usize % MEMORY] = lanes;
                 if lanes[0] < lanes[1] {

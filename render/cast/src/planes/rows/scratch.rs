@@ -35,6 +35,8 @@ pub(in crate::planes) struct Scratch {
     /// the ground's share, and the others the light of that share) and, as the bits of a float, one
     /// over how many of its direction's lengths away the ground is (0 where it is sky).
     pub(super) seen: Vec<[i32; 2]>,
+    /// For each few planes that go together, the step of a fan from which on they see the sky alone.
+    pub(super) skies: Vec<u32>,
     /// From this step on rays lie between planes.
     pub(super) far_from: u32,
     /// The rays on their way over each of the ground's resolutions.

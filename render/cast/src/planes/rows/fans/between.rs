@@ -4,6 +4,7 @@ use super::super::March;
 use super::super::directions::Aim;
 use super::super::scratch::{MARGIN, Scratch};
 use super::fan::Fan;
+use super::march::PLANES;
 use super::sight::SAME;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -39,55 +40,27 @@ impl<L: Lanes> March<'_, L> {
         // The next fan goes on from where this one's last rays came.
         let is_last = step + 1 == fan.to;
         let zero = l.splat(0.0);
-        let evens = l.load_i(&std::array::from_fn(|k| 2 * k as i32));
-        let odds = l.add_i(evens, l.splat_i(1));
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             asked.prefetch(l, canvas, first);
             let direction = aim.directions(l, self.directions.at(step, first));
+            let length = shader.metres_of(l, direction);
             let plane = fan.plane(step, f64::from(first));
             let base = plane as usize;
-            let low = [
-                l.load_i(group(seen, 2 * base)),
-                l.load_i(group(seen, 2 * base + LANES)),
-            ];
-            let high = [
-                l.load_i(group(seen, 2 * base + 2 * LANES)),
-                l.load_i(group(seen, 2 * base + 3 * LANES)),
-            ];
-            let colours = [l.among(low, evens), l.among(high, evens)];
-            let inverses = [l.among(low, odds), l.among(high, odds)];
-            let plane = l.add(l.splat((plane - base as f64) as f32), aside);
-            let before = l.to_int(plane);
-            let behind = l.add_i(before, l.splat_i(1));
-            let share = l.sub(plane, l.to_float(before));
-            let left = l.float_of_bits(l.among(inverses, before));
-            let right = l.float_of_bits(l.among(inverses, behind));
-            let is_one = l.and(
-                l.lt(zero, l.min(left, right)),
-                l.le(l.max(left, right), l.mul(l.min(left, right), same)),
-            );
-            let nearer = l.select(l.lt(share, l.splat(0.5)), left, right);
-            let inverse = l.select(
-                is_one,
-                l.add(left, l.mul(l.sub(right, left), share)),
-                nearer,
-            );
+            let groups = base / PLANES..=(base + 2 * LANES - 1) / PLANES;
+            let skies = groups.map(|group| scratch.skies.get(group));
+            let (mut ground, inverse) = if skies.flatten().all(|&from| from <= step) {
+                ([l.splat_i(0); 2], zero)
+            } else {
+                let plane = l.add(l.splat((plane - base as f64) as f32), aside);
+                mixed(l, &seen[2 * base..], plane, same)
+            };
             let hit = l.lt(zero, inverse);
             if is_last {
                 let at = self.slot(step) + MARGIN + first as usize;
                 let t = l.select(hit, l.div(direction[0], inverse), l.splat(-1.0));
                 l.store(t, group_mut(&mut scratch.reached, at));
             }
-            let length = shader.metres_of(l, direction);
             let depth = l.select(hit, l.div(length, inverse), l.splat(f32::INFINITY));
-
-            let left = halves(l, l.among(colours, before));
-            let right = halves(l, l.among(colours, behind));
-            let share = parts(l, share);
-            let mut ground = [
-                l.lerp_halves(left[0], right[0], share),
-                l.lerp_halves(left[1], right[1], share),
-            ];
             // In the upper half of the second one.
             let alpha = l.shr_i(ground[1], l.splat_i(16));
             if l.bits(l.gt_i(l.splat_i(255), alpha)) != 0 {
@@ -109,4 +82,40 @@ impl<L: Lanes> March<'_, L> {
             }
         }
     }
+}
+
+/// What lies between planes at the places `plane` among those of which `seen` is what they see in a
+/// step: the light of the ground, as halves, and one over how far it is away, in lengths of the
+/// direction. Ground that lies no more than `same` times as far away as other is taken for the same.
+#[inline(always)]
+fn mixed<L: Lanes>(l: L, seen: &[i32], plane: L::F, same: L::F) -> ([L::I; 2], L::F) {
+    let load = |number: usize| l.load_i(group(seen, number * LANES));
+    let (low, high) = ([load(0), load(1)], [load(2), load(3)]);
+    let evens = l.load_i(&std::array::from_fn(|k| 2 * k as i32));
+    let odds = l.add_i(evens, l.splat_i(1));
+    let colours = [l.among(low, evens), l.among(high, evens)];
+    let inverses = [l.among(low, odds), l.among(high, odds)];
+    let before = l.to_int(plane);
+    let behind = l.add_i(before, l.splat_i(1));
+    let share = l.sub(plane, l.to_float(before));
+    let left = l.float_of_bits(l.among(inverses, before));
+    let right = l.float_of_bits(l.among(inverses, behind));
+    let is_one = l.and(
+        l.lt(l.splat(0.0), l.min(left, right)),
+        l.le(l.max(left, right), l.mul(l.min(left, right), same)),
+    );
+    let nearer = l.select(l.lt(share, l.splat(0.5)), left, right);
+    let inverse = l.select(
+        is_one,
+        l.add(left, l.mul(l.sub(right, left), share)),
+        nearer,
+    );
+    let left = halves(l, l.among(colours, before));
+    let right = halves(l, l.among(colours, behind));
+    let share = parts(l, share);
+    let light = [
+        l.lerp_halves(left[0], right[0], share),
+        l.lerp_halves(left[1], right[1], share),
+    ];
+    (light, inverse)
 }

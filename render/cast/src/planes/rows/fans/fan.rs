@@ -140,6 +140,34 @@ impl Fan {
     pub(super) fn room(&self) -> usize {
         self.planes().next_multiple_of(LANES) + 2 * LANES
     }
+
+    /// The step from which on planes, of which `first` is the first, all see the sky: after its first
+    /// step, each sees ground in so many pixels. Clears what of the sky lies before.
+    pub(super) fn clear_skies(
+        &self,
+        first: usize,
+        ground: &[[i32; LANES]; 2],
+        seen: &mut [[i32; 2]],
+    ) -> u32 {
+        let ground = ground.as_flattened();
+        let sky = |k: usize| {
+            let [begin, end] = self.seen(first + k);
+            end.min(begin + ground[k] as u32)..end
+        };
+        let all_from = (0..ground.len()).map(|k| sky(k).start).max();
+        let all_from = all_from.map_or(self.from, |step| step.max(self.from));
+        for k in 0..ground.len() {
+            for step in sky(k).start..sky(k).end.min(all_from) {
+                seen[self.place(step, first + k)] = [0; 2];
+            }
+        }
+        all_from
+    }
+
+    /// Where among what is seen a plane's pixel of a step is.
+    pub(super) fn place(&self, step: u32, plane: usize) -> usize {
+        (step - self.from) as usize * self.room() + plane
+    }
 }
 
 impl<L: Lanes> March<'_, L> {

@@ -58,12 +58,19 @@ impl<L: Lanes> March<'_, L> {
         (cell * self.pixel_width(step, fan.lane(step, plane))) as f32
     }
 
-    /// Finds what [`PLANES`] planes see, the first of which is plane `first`.
+    /// Finds what [`PLANES`] planes see, the first of which is plane `first`. Gives the step from
+    /// which on all of them see the sky, which is not written there.
     ///
     /// A pixel's colour is the mean of its plane's between the pixel's borders: of what of each piece
     /// of the profile rises over the horizon, in proportion to how much.
     #[inline(always)]
-    pub(super) fn march(&self, fan: &Fan, first: usize, scratch: &Scratch, seen: &mut [[i32; 2]]) {
+    pub(super) fn march(
+        &self,
+        fan: &Fan,
+        first: usize,
+        scratch: &Scratch,
+        seen: &mut [[i32; 2]],
+    ) -> u32 {
         let l = self.l;
         let rays = [
             self.plane_rays(fan, first, scratch),
@@ -75,8 +82,10 @@ impl<L: Lanes> March<'_, L> {
         if rays[0].live != 0 || rays[1].live != 0 {
             self.go_along(fan, first, &rays, [&mut left, &mut right], seen);
         }
-        left.end(l, seen);
-        right.end(l, seen);
+        let mut skies = [[0; LANES]; 2];
+        l.store_i(left.end(l, seen), &mut skies[0]);
+        l.store_i(right.end(l, seen), &mut skies[1]);
+        fan.clear_skies(first, &skies, seen)
     }
 
     #[inline(always)]

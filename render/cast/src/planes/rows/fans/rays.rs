@@ -100,7 +100,7 @@ impl<L: Lanes> March<'_, L> {
                 continue;
             }
             rays.steps[k] = (end - begin) as f32;
-            rays.place[k] = ((begin - fan.from) as usize * fan.room() + plane) as i32;
+            rays.place[k] = fan.place(begin, plane) as i32;
             if top < 0.0 {
                 if horizon >= 0.0 {
                     continue;

@@ -1,7 +1,7 @@
 //! What sixteen planes see of the ground: light, pixel by pixel, over a horizon that rises.
 
 use super::rays::{Each, PARTS, Rays};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::planes::field::Field;
 use crate::planes::profile::{Crossing, PlaneGroup, twice, upper_bytes};
 
@@ -290,40 +290,25 @@ impl<L: Lanes> Sight<L> {
         self.slope = piece.slopes[1];
     }
 
-    /// Writes the pixels in which the ground ends, and the sky above them.
+    /// Writes the pixels in which the ground ends. Gives for each plane how many of its pixels come
+    /// before the sky.
     #[inline(always)]
-    pub(super) fn end(&self, l: L, seen: &mut [[i32; 2]]) {
-        let one = l.splat(1.0);
-        let (mut borders, mut places) = ([0.0; LANES], [0; LANES]);
-        l.store(self.border, &mut borders);
-        l.store_i(self.place, &mut places);
-        let mut colours = [0; LANES];
-        l.store_i(packed(l, [self.red_blue, self.green_alpha]), &mut colours);
+    pub(super) fn end(&self, l: L, seen: &mut [[i32; 2]]) -> L::I {
+        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let colours = packed(l, [self.red_blue, self.green_alpha]);
         // The ground half-way up the pixel.
         let parts = l.to_float(self.parts);
         let end = l.add(l.sub(self.border, one), l.mul(parts, l.splat(1.0 / PARTS)));
         let end = l.add(self.major[0], l.mul(end, self.major[1]));
         let far = l.mul(self.far, end);
         let half = l.div(l.splat(0.5 * PARTS), l.max(parts, one));
-        let mut middles = [0.0; LANES];
         let middle = l.add(self.near, l.mul(l.sub(far, self.near), half));
-        l.store(middle, &mut middles);
-        let mut steps = [0.0; LANES];
-        l.store(self.steps, &mut steps);
-        for k in 0..LANES {
-            let mut pixel = [0; 2];
-            let mut left = steps[k] as usize;
-            if borders[k] > 0.0 {
-                left = (steps[k] + 1.0 - borders[k]) as usize;
-                let is_ground = colours[k] < 0;
-                let at = if is_ground { middles[k] } else { 0.0 };
-                pixel = [colours[k], at.to_bits() as i32];
-            }
-            for row in 0..left {
-                seen[places[k] as usize + row * self.period as usize] = pixel;
-                pixel = [0; 2];
-            }
-        }
+        // The alpha is the uppermost byte.
+        let is_ground = l.gt_i(l.splat_i(0), colours);
+        let at = l.bits_of_float(l.select(is_ground, middle, zero));
+        let has_pixel = l.and(l.lt(zero, self.border), l.le(self.border, self.steps));
+        l.scatter_pairs(has_pixel, self.place, [colours, at], seen);
+        l.to_int(l.min(self.border, self.steps))
     }
 }
 
