@@ -7,6 +7,7 @@ mod predecessor;
 mod recolour;
 mod scratch;
 mod set_out;
+mod sky;
 mod survey;
 
 pub(super) use directions::Directions;
@@ -98,25 +99,39 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
+            let mut led = chunk;
+            if frame.detail.is_none() {
+                led = march.led(step, chunk, shaded, scratch);
+                *scratch.led(step, first - lanes[0]) = led;
+                for sky in [[first, led[0]], [led[1], chunk[1]]] {
+                    if sky[0] < sky[1] {
+                        march.ask_for_pixels(step, sky, canvas, scratch);
+                        tally.rays(step, sky[0], sky[1] - sky[0]);
+                    }
+                }
+                if led[0] == led[1] {
+                    continue;
+                }
+            }
             if carries {
                 l.vectorize(
                     #[inline(always)]
-                    || march.carry(step, chunk, canvas, scratch, tally),
+                    || march.carry(step, led, canvas, scratch, tally),
                 );
                 l.vectorize(
                     #[inline(always)]
-                    || march.close_up(step, chunk, scratch),
+                    || march.close_up(step, led, scratch),
                 );
                 left += l.vectorize(
                     #[inline(always)]
-                    || march.send_left(chunk, scratch),
+                    || march.send_left(led, scratch),
                 );
             } else {
                 l.vectorize(
                     #[inline(always)]
-                    || march.set_out(step, chunk, canvas, scratch, tally),
+                    || march.set_out(step, led, canvas, scratch, tally),
                 );
-                march.depart((chunk[1] - chunk[0]) as usize, scratch, tally);
+                march.depart((led[1] - led[0]) as usize, scratch, tally);
             }
             march.go_on(scratch, UNFINISHED, tally);
         }
@@ -244,46 +259,77 @@ impl<'a, L: Lanes> March<'a, L> {
     ) -> u32 {
         for step in from..to {
             let lanes = scratch.lanes[step as usize % MEMORY];
+            scratch.sky[step as usize % MEMORY].clear();
             for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
-                let count = (lanes[1] - first).min(CHUNK as i32) as usize;
-                let at = self.slot(step) + MARGIN + first as usize;
-                let numbers = at..at + count.next_multiple_of(LANES);
-                let around = |there: bool, step: u32| {
-                    let from = self.slot(step) + MARGIN + first as usize - 1;
-                    let numbers = from..from + count.next_multiple_of(LANES) + 2;
-                    let lanes = if there {
-                        scratch.lanes[step as usize % MEMORY]
-                    } else {
-                        [first; 2]
-                    };
-                    Around {
-                        lanes: lanes.map(|lane| lane - first),
-                        reached: &scratch.reached[numbers.clone()],
-                        advance: &scratch.advance[numbers],
+                let chunk = [first, lanes[1].min(first + CHUNK as i32)];
+                let led = *scratch.led(step, first - lanes[0]);
+                let led = led.map(|lane| lane.clamp(chunk[0], chunk[1]));
+                for sky in [[first, led[0]], [led[1], chunk[1]]] {
+                    if sky[0] < sky[1] {
+                        let (colours, depths) = scratch.pixels.lanes_mut(step, sky[0]);
+                        let directions = &self.directions;
+                        let shading = &mut scratch.shading;
+                        shader.shade_sky(self.l, directions, step, sky, shading, colours, depths);
                     }
-                };
-                let chunk = Chunk {
-                    around: [
-                        around(step > 0, step.wrapping_sub(1)),
-                        around(true, step),
-                        around(step + 1 < scratch.far_from.min(self.sector.steps), step + 1),
-                    ],
-                    step,
-                    first,
-                    count,
-                    directions: &self.directions,
-                    reached: &scratch.reached[numbers.clone()],
-                    advance: &scratch.advance[numbers.clone()],
-                    slope: &scratch.slope[numbers],
-                };
-                let (colours, depths) = scratch.pixels.lanes_mut(step, first);
-                shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths);
+                }
+                let mut sees_sky = led != chunk;
+                if led[0] < led[1] {
+                    sees_sky |= self.shade_led(shader, step, led, scratch);
+                }
+                if sees_sky && self.frame.detail.is_none() {
+                    let sky = &mut scratch.sky[step as usize % MEMORY];
+                    sky.put((first - lanes[0]) as usize, chunk, led, &scratch.shading);
+                }
             }
             scratch
                 .pixels
                 .finish_step(self.l, canvas, self.sector, step, lanes);
         }
         to.max(from)
+    }
+
+    /// Colours lanes of a step; gives whether some see the sky.
+    #[inline(always)]
+    fn shade_led(
+        &self,
+        shader: &Shader<'_>,
+        step: u32,
+        [first, behind]: [i32; 2],
+        scratch: &mut Scratch,
+    ) -> bool {
+        let count = (behind - first) as usize;
+        let at = self.slot(step) + MARGIN + first as usize;
+        let numbers = at..at + count.next_multiple_of(LANES);
+        let around = |there: bool, step: u32| {
+            let from = self.slot(step) + MARGIN + first as usize - 1;
+            let numbers = from..from + count.next_multiple_of(LANES) + 2;
+            let lanes = if there {
+                scratch.lanes[step as usize % MEMORY]
+            } else {
+                [first; 2]
+            };
+            Around {
+                lanes: lanes.map(|lane| lane - first),
+                reached: &scratch.reached[numbers.clone()],
+                advance: &scratch.advance[numbers],
+            }
+        };
+        let chunk = Chunk {
+            around: [
+                around(step > 0, step.wrapping_sub(1)),
+                around(true, step),
+                around(step + 1 < scratch.far_from.min(self.sector.steps), step + 1),
+            ],
+            step,
+            first,
+            count,
+            directions: &self.directions,
+            reached: &scratch.reached[numbers.clone()],
+            advance: &scratch.advance[numbers.clone()],
+            slope: &scratch.slope[numbers],
+        };
+        let (colours, depths) = scratch.pixels.lanes_mut(step, first);
+        shader.shade(self.l, &chunk, &mut scratch.shading, colours, depths)
     }
 
     /// Leads a chunk's rays that set out side by side on their first way.

@@ -133,7 +133,8 @@ pub(super) struct Shading {
     at: Column<i32>,
     east: Column<f32>,
     north: Column<f32>,
-    length: Column<f32>,
+    /// The sine of the angle over the horizon of those that see the sky.
+    up: Column<f32>,
     /// For each group: its pixels that the photo may cover; its other pixels; and its pixels that
     /// see the sky.
     on: [u16; CAPACITY / LANES],
@@ -173,13 +174,20 @@ impl Half {
     }
 }
 
+impl Shading {
+    /// For each group of the first `count` lanes, its pixels that see the sky.
+    pub(super) fn sky(&self, count: usize) -> &[u16] {
+        &self.sky[..count.div_ceil(LANES)]
+    }
+}
+
 impl Default for Shading {
     fn default() -> Self {
         Self {
             at: [0; CAPACITY],
             east: [0.0; CAPACITY],
             north: [0.0; CAPACITY],
-            length: [0.0; CAPACITY],
+            up: [0.0; CAPACITY],
             on: [0; CAPACITY / LANES],
             rest: [0; CAPACITY / LANES],
             sky: [0; CAPACITY / LANES],
@@ -385,7 +393,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Writes the colours and depths of a chunk's pixels, a number a lane (and room for a whole
-    /// last group).
+    /// last group). Gives whether some see the sky.
     ///
     /// Three loops, as [`walk`](super::walk::walk) has.
     #[inline(always)]
@@ -396,8 +404,8 @@ impl<'a> Shader<'a> {
         shading: &mut Shading,
         colours: &mut [i32],
         depths: &mut [f32],
-    ) {
-        l.vectorize(
+    ) -> bool {
+        let sees_sky = l.vectorize(
             #[inline(always)]
             || self.locate(l, chunk, shading, depths),
         );
@@ -427,11 +435,12 @@ impl<'a> Shader<'a> {
         for texture in self.textures.iter().flatten() {
             self.filter(l, chunk, texture, shading, colours);
         }
-        for at in (0..chunk.count).step_by(LANES) {
-            let (rest, sky) = (shading.rest[at / LANES], shading.sky[at / LANES]);
-            if let Some(ground_tints) = &self.tints
-                && rest != 0
-            {
+        if let Some(ground_tints) = &self.tints {
+            for at in (0..chunk.count).step_by(LANES) {
+                let rest = shading.rest[at / LANES];
+                if rest == 0 {
+                    continue;
+                }
                 l.vectorize(
                     #[inline(always)]
                     || {
@@ -448,17 +457,79 @@ impl<'a> Shader<'a> {
                     },
                 );
             }
+        }
+        if sees_sky {
+            let lanes = [chunk.first, chunk.first + chunk.count as i32];
+            l.vectorize(
+                #[inline(always)]
+                || self.skies(l, chunk.directions, chunk.step, lanes, shading, colours),
+            );
+        }
+        sees_sky
+    }
+
+    /// Writes the colours and depths of lanes of a step that see nothing but the sky.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "which pixels, and where they go")]
+    pub(super) fn shade_sky<L: Lanes>(
+        &self,
+        l: L,
+        directions: &Directions,
+        step: u32,
+        [first, behind]: [i32; 2],
+        shading: &mut Shading,
+        colours: &mut [i32],
+        depths: &mut [f32],
+    ) {
+        let count = (behind - first) as usize;
+        depths[..count].fill(f32::INFINITY);
+        shading.sky[..count.div_ceil(LANES)].fill(u16::MAX);
+        l.vectorize(
+            #[inline(always)]
+            || self.skies(l, directions, step, [first, behind], shading, colours),
+        );
+    }
+
+    /// Colours those of a step's lanes that see the sky.
+    ///
+    /// Two loops: all of it is one chain, of which hardly two fit a processor's window.
+    #[inline(always)]
+    fn skies<L: Lanes>(
+        &self,
+        l: L,
+        directions: &Directions,
+        step: u32,
+        [first, behind]: [i32; 2],
+        shading: &mut Shading,
+        colours: &mut [i32],
+    ) {
+        let groups = || (0..(behind - first) as usize).step_by(LANES);
+        let numbers = l.load(&std::array::from_fn(|k| k as f32));
+        let first = directions.at(step, first).as_vec3();
+        let lane = directions.lane.as_vec3();
+        let major = l.add(l.splat(first.x), l.mul(l.splat(lane.x), numbers));
+        let minor = l.add(l.splat(first.y), l.mul(l.splat(lane.y), numbers));
+        let height = l.add(l.splat(first.z), l.mul(l.splat(lane.z), numbers));
+        for at in groups() {
+            if shading.sky[at / LANES] != 0 {
+                let further = lane * at as f32;
+                let height = l.add(height, l.splat(further.z));
+                let direction = [
+                    l.add(major, l.splat(further.x)),
+                    l.add(minor, l.splat(further.y)),
+                    height,
+                ];
+                let up = l.div(height, self.metres_of(l, direction));
+                l.store(up, group_mut(&mut shading.up, at));
+            }
+        }
+        for at in groups() {
+            let sky = shading.sky[at / LANES];
             if sky != 0 {
-                l.vectorize(
-                    #[inline(always)]
-                    || {
-                        let slope = l.load(group(chunk.slope, at));
-                        let up = l.div(slope, l.load(group(&shading.length, at)));
-                        let colours = group_mut(colours, at);
-                        let ground = l.load_i(colours);
-                        l.store_i(l.select_i(l.mask(sky), sky_colours(l, up), ground), colours);
-                    },
-                );
+                let up = l.load(group(&shading.up, at));
+                let colours = group_mut(colours, at);
+                let ground = l.load_i(colours);
+                l.store_i(l.select_i(l.mask(sky), sky_colours(l, up), ground), colours);
             }
         }
     }
@@ -606,7 +677,14 @@ impl<'a> Shader<'a> {
     }
 
     #[inline(always)]
-    fn locate<L: Lanes>(&self, l: L, chunk: &Chunk<'_>, shading: &mut Shading, depths: &mut [f32]) {
+    fn locate<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        shading: &mut Shading,
+        depths: &mut [f32],
+    ) -> bool {
+        let mut sees_sky = 0;
         let infinity = l.splat(f32::INFINITY);
         for at in (0..chunk.count).step_by(LANES) {
             let number = at / LANES;
@@ -618,9 +696,9 @@ impl<'a> Shader<'a> {
             let length = self.length(l, advance, slope);
             let depth = l.select(hit, l.mul(reached, length), infinity);
             l.store(depth, group_mut(depths, at));
-            l.store(length, group_mut(&mut shading.length, at));
             let hits = l.bits(hit);
             shading.sky[number] = mask & !hits;
+            sees_sky |= mask & !hits;
             shading.rest[number] = hits;
             shading.on[number] = 0;
             if self.large && hits != 0 && self.photo.is_some() {
@@ -644,6 +722,7 @@ impl<'a> Shader<'a> {
                 l.store(located.north, group_mut(&mut shading.north, at));
             }
         }
+        sees_sky != 0
     }
 }
 
@@ -660,17 +739,20 @@ fn bilinear<L: Lanes>(l: L, [sw, se, nw, ne]: [L::F; 4], east: L::F, north: L::F
 pub(super) fn sky_colours<L: Lanes>(l: L, up: L::F) -> L::I {
     let zero = l.splat(0.0);
     let over = l.le(zero, up);
-    let below = l.min(l.mul(up, l.splat(-1.0 / HAZE)), l.splat(1.0));
-    let share = l.select(
-        over,
-        l.sqrt(l.max(up, zero)),
-        l.mul(below, l.sub(l.splat(2.0), below)),
-    );
+    let mut share = l.sqrt(l.max(up, zero));
+    let mut far = [l.splat(ZENITH[0]), l.splat(ZENITH[1]), l.splat(ZENITH[2])];
+    if l.bits(over) != u16::MAX {
+        let below = l.min(l.mul(up, l.splat(-1.0 / HAZE)), l.splat(1.0));
+        let haze = l.mul(below, l.sub(l.splat(2.0), below));
+        share = l.select(over, share, haze);
+        for k in 0..3 {
+            far[k] = l.select(over, far[k], l.splat(DEPTHS[k]));
+        }
+    }
     let mut colour = l.splat_i(255 << 24);
     for k in 0..3 {
-        let far = l.select(over, l.splat(ZENITH[k]), l.splat(DEPTHS[k]));
         let horizon = l.splat(HORIZON[k]);
-        let mixed = l.add(horizon, l.mul(l.sub(far, horizon), share));
+        let mixed = l.add(horizon, l.mul(l.sub(far[k], horizon), share));
         let byte = l.to_int(l.add(mixed, l.splat(0.5)));
         colour = l.add_i(colour, l.shl_i(byte, l.splat_i(8 * k as i32)));
     }

@@ -1,6 +1,7 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
 use super::carry::Left;
+use super::sky::SkyLanes;
 use crate::canvas::Canvas;
 use crate::lanes::LANES;
 use crate::planes::depart::Departure;
@@ -10,7 +11,7 @@ use crate::planes::pixels::PixelBlock;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shading;
 use crate::planes::walk::Passage;
-use crate::planes::wave::Waves;
+use crate::planes::wave::{CHUNK, Waves};
 use sandtable_terrain::use_huge_pages;
 
 /// How many steps back the ray may lie from which one begins.
@@ -35,6 +36,10 @@ pub(in crate::planes) struct Scratch {
     /// the ground's share, and the others the light of that share) and, as the bits of a float, one
     /// over how many of its direction's lengths away the ground is (0 where it is sky).
     pub(super) seen: Vec<[i32; 2]>,
+    /// The rays of the last steps that see the sky.
+    pub(super) sky: [SkyLanes; MEMORY],
+    /// For each chunk of the last steps, which of its lanes are led over the ground.
+    led: Vec<[i32; 2]>,
     /// For each few planes that go together, the step of a fan from which on they see the sky alone.
     pub(super) skies: Vec<u32>,
     /// From this step on rays lie between planes.
@@ -60,6 +65,13 @@ impl Scratch {
         seen
     }
 
+    /// Which lanes are led over the ground of the chunk of a step that begins `lanes` behind its first
+    /// lane.
+    pub(super) fn led(&mut self, step: u32, lanes: i32) -> &mut [i32; 2] {
+        let chunks = self.led.len() / MEMORY;
+        &mut self.led[step as usize % MEMORY * chunks + lanes as usize / CHUNK]
+    }
+
     /// Makes ready for a sector; gives the numbers a step.
     pub(super) fn begin(
         &mut self,
@@ -82,6 +94,14 @@ impl Scratch {
         for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
             numbers.resize(numbers.len().max(room * MEMORY + BLOCK), 0.0);
         }
+        for sky in &mut self.sky {
+            if sky.room() < room {
+                *sky = SkyLanes::with_room(room);
+            }
+        }
+        self.led.clear();
+        self.led
+            .resize(MEMORY * room.div_ceil(CHUNK), [i32::MIN, i32::MAX]);
         self.patches.begin(room * MEMORY);
         self.keeps_patches = false;
         self.pixels.begin(canvas, sector, width + MARGIN);
