@@ -32,8 +32,11 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
 use crate::tally::Tally;
 
-/// Rays that may stay on their way while the next step begins: low and high ones each.
-const UNFINISHED: usize = 2 * LANES;
+/// Rays that may stay on their way while the next step begins, low and high ones each: of grounds that
+/// fit the processor's nearer caches, and of larger ones, over which a wave that is short waits for
+/// memory.
+const UNFINISHED: usize = LANES;
+const UNFINISHED_OVER_LARGE: usize = 2 * LANES;
 
 /// All that one sector's cast knows.
 struct March<'a, L: Lanes> {
@@ -70,6 +73,11 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
     let can_carry = frame.detail.is_none() && Patches::can_name(&march.fields[0]);
+    let unfinished = if march.fields[0].ahead.is_some() {
+        UNFINISHED_OVER_LARGE
+    } else {
+        UNFINISHED
+    };
     let mut shaded = 0;
     let mut carrying = Carrying::default();
     let mut lanes_ahead = [[0; 2]; AHEAD];
@@ -133,7 +141,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 );
                 march.depart((led[1] - led[0]) as usize, scratch, tally);
             }
-            march.go_on(scratch, UNFINISHED, tally);
+            march.go_on(scratch, unfinished, tally);
         }
         if carries {
             carrying.end(left, lanes[1] - lanes[0], step, scratch);
