@@ -1,0 +1,160 @@
+//! Colours at the resolution of pixels' footprints.
+
+use super::{Chunk, Shader, Shading};
+use crate::lanes::{LANES, Lanes, Texels, group, group_mut};
+use crate::planes::footprint::filters;
+use crate::planes::texture::{Halves, Mipmapped};
+use crate::planes::wave::{CAPACITY, Column};
+
+/// Where colours lie in a texture, and the weights of eastern and northern texels in fixed point.
+#[repr(align(64))]
+pub(super) struct Half {
+    pub(super) at: Column<i32>,
+    pub(super) east: Column<i32>,
+    pub(super) north: Column<i32>,
+}
+
+impl Default for Half {
+    fn default() -> Self {
+        Self {
+            at: [0; CAPACITY],
+            east: [0; CAPACITY],
+            north: [0; CAPACITY],
+        }
+    }
+}
+
+impl Half {
+    #[inline(always)]
+    pub(super) fn texels<L: Lanes>(&self, l: L, at: usize) -> Texels<'_, L> {
+        Texels {
+            at: group(&self.at, at),
+            east: l.load_i(group(&self.east, at)),
+            north: l.load_i(group(&self.north, at)),
+        }
+    }
+}
+
+impl Shader<'_> {
+    /// Colours the pixels of `shading.rest` from a texture, each by the filter of its footprint,
+    /// and leaves those there that it has no colours for.
+    ///
+    /// A footprint's colour is that of its two halves, in the texture's level of their width. Where
+    /// a tinted pixel covers no more than a post, the tint of its own height is as good.
+    #[inline(always)]
+    pub(super) fn filter<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        texture: &Mipmapped<'_>,
+        shading: &mut Shading,
+        colours: &mut [i32],
+    ) {
+        let groups = chunk.count.div_ceil(LANES);
+        let is_photo = self.textures[0]
+            .as_ref()
+            .is_some_and(|photo| std::ptr::eq(photo, texture));
+        l.vectorize(
+            #[inline(always)]
+            || {
+                filters(
+                    l,
+                    texture.frame.levels,
+                    texture.scale,
+                    self.blur,
+                    &chunk.around,
+                    &shading.rest[..groups],
+                    &mut shading.filters,
+                );
+            },
+        );
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in (0..chunk.count).step_by(LANES) {
+                    let number = at / LANES;
+                    let mut wanted = shading.rest[number];
+                    if wanted == 0 {
+                        continue;
+                    }
+                    let filters = &mut shading.filters;
+                    let halves = Halves {
+                        aside: [
+                            l.load(group(&filters.major, at)),
+                            l.load(group(&filters.minor, at)),
+                        ],
+                        levels: [
+                            l.load_i(group(&filters.levels[0], at)),
+                            l.load_i(group(&filters.levels[1], at)),
+                        ],
+                    };
+                    if !is_photo {
+                        wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
+                    }
+                    let reached = l.load(group(chunk.reached, at));
+                    let advance = l.load(group(chunk.advance, at));
+                    let [major, minor] = texture.scale;
+                    let place = |t: L::F| {
+                        [
+                            l.mul(t, l.splat(major)),
+                            l.mul(l.mul(t, advance), l.splat(minor)),
+                        ]
+                    };
+                    let (located, on) = texture.locate(l, l.mask(wanted), place(reached), &halves);
+                    shading.on[number] = l.bits(on);
+                    for (to, half) in shading.halves.iter_mut().zip(&located) {
+                        l.store_i(half.at, group_mut(&mut to.at, at));
+                        l.store_i(half.east, group_mut(&mut to.east, at));
+                        l.store_i(half.north, group_mut(&mut to.north, at));
+                    }
+                }
+            },
+        );
+        l.vectorize(
+            #[inline(always)]
+            || {
+                if self.large {
+                    let tiles = &texture.frame.tiles;
+                    for at in (0..chunk.count).step_by(LANES) {
+                        if shading.on[at / LANES] & shading.rest[at / LANES] != 0 {
+                            for half in &shading.halves {
+                                let place = group(&half.at, at);
+                                l.prefetch::<_, 1>(&tiles.items, place, 0);
+                                l.prefetch::<_, 1>(&tiles.items, place, tiles.stride as i32);
+                            }
+                        }
+                    }
+                }
+                for at in (0..chunk.count).step_by(LANES) {
+                    let number = at / LANES;
+                    let on = shading.on[number] & shading.rest[number];
+                    if on == 0 {
+                        continue;
+                    }
+                    let tiles = &texture.frame.tiles;
+                    let [first, second] = &shading.halves;
+                    let first = first.texels(l, at);
+                    let texels = if shading.filters.two[number] & on != 0 {
+                        let places = [first, second.texels(l, at)];
+                        l.mean_texels(&tiles.items, tiles.stride, places)
+                    } else {
+                        // Magnified, colours change by little from pixel to pixel. Weights have been
+                        // rounded down, by half a part on average.
+                        let share = |weight: L::I| {
+                            let parts = l.add(l.to_float(weight), l.splat(0.5));
+                            l.mul(parts, l.splat(1.0 / 32768.0))
+                        };
+                        let (east, north) = (share(first.east), share(first.north));
+                        l.texels(&tiles.items, first.at, tiles.stride, east, north)
+                    };
+                    // The mean of coverage is 255 where both have 255, or one 254: none has.
+                    let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
+                    let on = l.and(l.mask(on), whole);
+                    let colours = group_mut(colours, at);
+                    l.store_i(l.select_i(on, texels, l.load_i(colours)), colours);
+                    shading.rest[number] &= !l.bits(on);
+                }
+            },
+        );
+    }
+}

@@ -1,0 +1,121 @@
+//! Where hits' colours lie in a photograph.
+
+use crate::lanes::Lanes;
+use crate::planes::field::Tiles;
+use crate::planes::frame::Frame;
+use sandtable_terrain::Photo;
+
+/// A photograph along one axis, as one sector's rays run along it.
+pub(super) struct Along {
+    sign: i32,
+    /// The pixel under the eye or, where rays run backwards, the one behind it; and how far along
+    /// the rays' direction the eye lies from there.
+    base: i32,
+    fraction: f32,
+    /// Pixels for each cell of advance.
+    pixels: f32,
+    /// The last pixel but one.
+    last: i32,
+}
+
+impl Along {
+    pub(super) fn new(eye: f64, per_cell: f64, sign: i32, pixels: u32) -> Self {
+        let base = if sign > 0 { eye.floor() } else { eye.ceil() };
+        Self {
+            sign,
+            base: base as i32,
+            fraction: (eye - base).abs() as f32,
+            pixels: per_cell as f32,
+            last: pixels as i32 - 2,
+        }
+    }
+
+    /// The pixel before the place to which rays advanced, the weight of the one behind it, and
+    /// whether the photo has both.
+    #[inline(always)]
+    pub(super) fn locate<L: Lanes>(&self, l: L, advance: L::F) -> (L::I, L::F, L::M) {
+        let along = l.add(l.mul(advance, l.splat(self.pixels)), l.splat(self.fraction));
+        let whole = l.to_int(along);
+        let share = l.sub(along, l.to_float(whole));
+        let (at, share) = if self.sign > 0 {
+            (l.add_i(l.splat_i(self.base), whole), share)
+        } else {
+            (
+                l.sub_i(l.splat_i(self.base - 1), whole),
+                l.sub(l.splat(1.0), share),
+            )
+        };
+        let off = l.or(l.gt_i(l.splat_i(0), at), l.gt_i(at, l.splat_i(self.last)));
+        (at, share, off)
+    }
+
+    /// The same for places beyond the outer pixels' centres, where their colours go on for half a
+    /// pixel; and where there is none any more.
+    #[inline(always)]
+    pub(super) fn at_border<L: Lanes>(&self, l: L, at: L::I, share: L::F) -> (L::I, L::F, L::M) {
+        let (none, last) = (l.splat_i(0), l.splat_i(self.last));
+        let half = l.splat(0.5);
+        let (before, behind) = (l.gt_i(none, at), l.gt_i(at, last));
+        let near_before = l.and(l.eq_i(at, l.splat_i(-1)), l.le(half, share));
+        let near_behind = l.and(l.eq_i(at, l.splat_i(self.last + 1)), l.le(share, half));
+        let off = l.and_not(l.or(before, behind), l.or(near_before, near_behind));
+        let share = l.select(before, l.splat(0.0), l.select(behind, l.splat(1.0), share));
+        (l.max_i(l.min_i(at, last), none), share, off)
+    }
+}
+
+/// A photograph as one sector's rays meet it.
+pub(super) struct Mapped<'a> {
+    pub(super) tiles: Tiles<'a, [u8; 4]>,
+    pub(super) x: Along,
+    pub(super) y: Along,
+    /// Whether it covers all ground: then no hit is off it, but for rounding.
+    pub(super) covers: bool,
+}
+
+impl<'a> Mapped<'a> {
+    pub(super) fn new(photo: &'a Photo, frame: &Frame<'_>, signs: [i32; 2]) -> Self {
+        let raster = &photo.pixels;
+        let spacing = frame.ground.grid().spacing;
+        let eye = (frame.view.eye.truncate() - photo.origin) / photo.spacing;
+        let per_cell = spacing / photo.spacing;
+        Self {
+            tiles: Tiles::new(raster.view(), raster.tiles_across(), raster.tile_stride()),
+            x: Along::new(eye.x, per_cell.x, signs[0], raster.cols()),
+            y: Along::new(eye.y, per_cell.y, signs[1], raster.rows()),
+            covers: frame.ground.light().is_none(),
+        }
+    }
+
+    /// Where the colours of rays lie that advanced by so many cells along x and y: the place,
+    /// the weights of the eastern and northern pixels, and whether the photo
+    /// reaches there.
+    #[inline(always)]
+    pub(super) fn locate<L: Lanes>(&self, l: L, mask: L::M, advances: [L::F; 2]) -> Located<L> {
+        let (mut x, mut east, off_x) = self.x.locate(l, advances[0]);
+        let (mut y, mut north, off_y) = self.y.locate(l, advances[1]);
+        let mut on = mask;
+        if l.bits(l.and(mask, l.or(off_x, off_y))) != 0 {
+            let (off_x, off_y);
+            (x, east, off_x) = self.x.at_border(l, x, east);
+            (y, north, off_y) = self.y.at_border(l, y, north);
+            if !self.covers {
+                on = l.and_not(mask, l.or(off_x, off_y));
+            }
+        }
+        Located {
+            at: self.tiles.only(l, mask, self.tiles.place(l, x, y)),
+            east,
+            north,
+            on,
+        }
+    }
+}
+
+/// Where colours lie in a photo.
+pub(super) struct Located<L: Lanes> {
+    pub(super) at: L::I,
+    pub(super) east: L::F,
+    pub(super) north: L::F,
+    pub(super) on: L::M,
+}
