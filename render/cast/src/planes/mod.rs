@@ -112,6 +112,10 @@ const WIDTH: u32 = 1600;
 /// better shared by threads.
 const DETAILED_WIDTH: u32 = 512;
 
+/// About how many pixels a sector has that is cut across its planes, so that many threads have something
+/// to do: its first step's rays have none to begin from, and take as long as those of a few other steps.
+const SIZE: f64 = 512_000.0;
+
 /// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
 /// too few digits for a hundredth of a cell.
 const FARTHEST: f64 = 131_072.0;
@@ -204,11 +208,11 @@ impl UnitCaster for PlanesScene {
             detail: self.detail.as_ref().map(Detail::frame),
             ground,
             view,
-            sectors: rays.sectors(if self.detail.is_some() {
-                DETAILED_WIDTH
+            sectors: if self.detail.is_some() {
+                rays.sectors(DETAILED_WIDTH, f64::INFINITY)
             } else {
-                WIDTH
-            }),
+                rays.sectors(WIDTH, SIZE)
+            },
             rays,
             eye: view.eye * per_metre,
             highest: ground.range()[1],

@@ -152,6 +152,23 @@ impl Sector {
     }
 }
 
+/// The convex polygon with these corners where a value that is linear over the image is not negative.
+fn clipped(corners: &[[f64; 2]], value: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
+    let mut left = Vec::with_capacity(corners.len() + 1);
+    for (k, &from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % corners.len()];
+        let (a, b) = (value(from), value(to));
+        if a >= 0.0 {
+            left.push(from);
+        }
+        if (a >= 0.0) != (b >= 0.0) {
+            let share = a / (a - b);
+            left.push([0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis])));
+        }
+    }
+    left
+}
+
 /// A convex part of the image, while it is being divided.
 #[derive(Clone)]
 struct Part {
@@ -171,19 +188,7 @@ impl Part {
             // The whole image is on the other side.
             return None;
         }
-        let value = |corner: [f64; 2]| sign * side.line.at(corner) + slack;
-        let mut corners = Vec::with_capacity(self.corners.len() + 1);
-        for (k, &from) in self.corners.iter().enumerate() {
-            let to = self.corners[(k + 1) % self.corners.len()];
-            let (a, b) = (value(from), value(to));
-            if a >= 0.0 {
-                corners.push(from);
-            }
-            if (a >= 0.0) != (b >= 0.0) {
-                let share = a / (a - b);
-                corners.push([0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis])));
-            }
-        }
+        let corners = clipped(&self.corners, |corner| sign * side.line.at(corner) + slack);
         let mut part = Self {
             corners,
             sides: self.sides.clone(),
@@ -192,6 +197,49 @@ impl Part {
         part.signs.push(side.positive);
         part.sides.push(side);
         (!part.corners.is_empty()).then_some(part)
+    }
+
+    /// What lies between two places along an axis of the image.
+    fn between(&self, axis: usize, [low, high]: [f64; 2]) -> Self {
+        let above = clipped(&self.corners, |corner| corner[axis] - low);
+        Self {
+            corners: clipped(&above, |corner| high - corner[axis]),
+            ..self.clone()
+        }
+    }
+
+    /// The part cut across the planes into pieces of about the same size, each with its first and last
+    /// one of the image's `steps` columns or rows: as many as make pieces of about `size` pixels.
+    fn pieces(&self, step_axis: usize, steps: u32, size: f64) -> Vec<(Self, [i32; 2])> {
+        let [low, high] = self.range(step_axis);
+        // One more on both sides, as corners do not lie on pixels.
+        let last = (high.ceil() as i32 + 1).min(steps as i32 - 1);
+        let mut from = (low.floor() as i32 - 1).max(0);
+        let all = self.size();
+        let count = (all / size).round().max(1.0);
+        let mut pieces = Vec::new();
+        for k in 1..count as u32 {
+            let share = all * f64::from(k) / count;
+            let [mut before, mut cut] = [from, last];
+            while cut - before > 1 {
+                let middle = before.midpoint(cut);
+                let piece = self.between(step_axis, [low, f64::from(middle)]);
+                if piece.size() < share {
+                    before = middle;
+                } else {
+                    cut = middle;
+                }
+            }
+            pieces.push((self.around(step_axis, [from, cut]), [from, cut - 1]));
+            from = cut;
+        }
+        pieces.push((self.around(step_axis, [from, last]), [from, last]));
+        pieces
+    }
+
+    /// What lies between two of the image's columns or rows, and one more on both sides.
+    fn around(&self, axis: usize, [from, to]: [i32; 2]) -> Self {
+        self.between(axis, [f64::from(from) - 1.0, f64::from(to) + 1.0])
     }
 
     /// The sides that cut off pixels, those first that do so in most steps.
@@ -277,9 +325,10 @@ impl ImageRays {
         point.map(|x| sign * x)
     }
 
-    /// The image's sectors, none with more than about `width` pixels in a step. The largest come
-    /// first: threads that take them in turn are done at about the same time.
-    pub(super) fn sectors(&self, width: u32) -> Vec<Sector> {
+    /// The image's sectors, none with more than about `width` pixels in a step, nor with half as much
+    /// again as `size` pixels. The largest come first: threads that take them in turn are done at about
+    /// the same time.
+    pub(super) fn sectors(&self, width: u32, size: f64) -> Vec<Sector> {
         let [w, h] = self.size.map(f64::from);
         let whole = Part {
             corners: vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]],
@@ -332,22 +381,20 @@ impl ImageRays {
             let major_sign = if positive(5) { 1 } else { -1 };
             let signs = [major_sign, axis_signs[1 - major]];
             for part in self.strips(part, step_axis, [px, py, pw], width) {
-                let [low, high] = part.range(step_axis);
-                let last = self.size[step_axis] as i32 - 1;
-                let low = (low.floor() as i32 - 1).clamp(0, last);
-                let high = (high.ceil() as i32 + 1).clamp(0, last);
-                sectors.push(Sector {
-                    step_axis,
-                    first_step: if direction > 0 { low } else { high },
-                    direction,
-                    steps: (high - low + 1) as u32,
-                    major,
-                    signs,
-                    sides: part.ordered_sides(),
-                    size: part.size(),
-                    reach: part.range(1 - step_axis).map(|at| at as i32),
-                    width: self.size[1 - step_axis] as i32,
-                });
+                for (piece, [low, high]) in part.pieces(step_axis, self.size[step_axis], size) {
+                    sectors.push(Sector {
+                        step_axis,
+                        first_step: if direction > 0 { low } else { high },
+                        direction,
+                        steps: (high - low + 1) as u32,
+                        major,
+                        signs,
+                        sides: piece.ordered_sides(),
+                        size: piece.size(),
+                        reach: piece.range(1 - step_axis).map(|at| at as i32),
+                        width: self.size[1 - step_axis] as i32,
+                    });
+                }
             }
         }
         // What is left between lines that almost meet has no pixels.
@@ -433,7 +480,7 @@ mod tests {
             for view in views() {
                 let [w, h] = view.size;
                 let mut owners = vec![0; (w * h) as usize];
-                for sector in rays(&view, per_metre).sectors(width) {
+                for sector in rays(&view, per_metre).sectors(width, 200.0) {
                     for k in 0..sector.steps {
                         let [from, to] = sector.lanes(k);
                         for lane in from..to {
@@ -449,10 +496,10 @@ mod tests {
     }
 
     #[test]
-    fn large_sectors_come_first() {
+    fn large_sectors_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
-            let sectors = rays(&view, DVec3::ONE).sectors(150);
+            let sectors = rays(&view, DVec3::ONE).sectors(150, 1e4);
             let pixels = |sector: &Sector| -> i32 {
                 let lanes = (0..sector.steps).map(|k| sector.lanes(k));
                 lanes.map(|[from, to]| to - from).sum()
@@ -463,6 +510,7 @@ mod tests {
             let around = view.size[0] + view.size[1];
             let in_order = |pair: &[i32]| pair[0] + 2 * around as i32 >= pair[1];
             assert!(pixels.windows(2).all(in_order), "{pixels:?}");
+            assert!(pixels[0] < 15_000 + 2 * around as i32, "{pixels:?}");
         }
     }
 
@@ -470,7 +518,7 @@ mod tests {
     fn rays_of_a_sector_run_its_way() {
         for view in views() {
             let image = rays(&view, DVec3::ONE);
-            for sector in image.sectors(512) {
+            for sector in image.sectors(512, 200.0) {
                 for k in 0..sector.steps {
                     let [from, to] = sector.lanes(k);
                     for lane in from..to {
