@@ -366,6 +366,10 @@ impl Lanes for Neon {
         on_quarters!(vmulq_s32, a, b)
     }
     #[inline(always)]
+    fn mul_small(self, a: I, b: I) -> I {
+        self.mul_i(a, b)
+    }
+    #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         on_values!(std::array::from_fn(|k| {
             let product = vmulq_s16(vreinterpretq_s16_s32(a[k]), vreinterpretq_s16_s32(b[k]));

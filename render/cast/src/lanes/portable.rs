@@ -216,6 +216,11 @@ impl Lanes for Portable {
         map(i32::wrapping_mul, a, b)
     }
     #[inline(always)]
+    fn mul_small(self, a: I, b: I) -> I {
+        // Compilers have an instruction for products that they know to fit.
+        map(|a, b| (a & 0x7fff) * (b & 0x7fff), a, b)
+    }
+    #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         let product = |a: i32, b: i32| {
             let low = (a & 0xffff).wrapping_mul(b & 0xffff) & 0xffff;
@@ -484,13 +489,14 @@ fn along(from: i16, to: i16, share: i16) -> i16 {
     from.wrapping_add(rounded_product(to.wrapping_sub(from), share))
 }
 
-/// a·b in 15-bit fixed point, rounded to nearest (the processors' `pmulhrsw`).
+/// a·b in 15-bit fixed point, rounded to nearest (the processors' `pmulhrsw`), where |a| is below 2¹⁴.
 #[inline(always)]
 fn rounded_product(a: i16, b: i16) -> i16 {
-    // (a·b + 2¹⁴) / 2¹⁵ from both halves of the product, so that sixteen bits are enough.
-    let product = i32::from(a) * i32::from(b);
-    let (high, low) = ((product >> 16) as i16, product as u16);
-    (high << 1).wrapping_add((((low >> 14) + 1) >> 1) as i16)
+    // (a·b + 2¹⁴) / 2¹⁵ in sixteen bits: what is above them of 2a·b, and the bit that rounds it.
+    let twice = a.wrapping_add(a);
+    let whole = ((i32::from(twice) * i32::from(b)) >> 16) as i16;
+    let low = a.wrapping_mul(b) as u16;
+    whole.wrapping_add((low >> 14 & 1) as i16)
 }
 
 /// Where all kernels are one function, the compiler loses the overview of it.

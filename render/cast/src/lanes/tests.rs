@@ -277,6 +277,9 @@ each_isa! {
             assert_same_ints(l, "add_i", l.add_i(x, y), from_fn(|k| a[k].wrapping_add(b[k])));
             assert_same_ints(l, "sub_i", l.sub_i(x, y), from_fn(|k| a[k].wrapping_sub(b[k])));
             assert_same_ints(l, "mul_i", l.mul_i(x, y), from_fn(|k| a[k].wrapping_mul(b[k])));
+            let [small, others] = [a, b].map(|n| n.map(|n| n & 0x7fff));
+            let product = l.mul_small(l.load_i(&small), l.load_i(&others));
+            assert_same_ints(l, "mul_small", product, from_fn(|k| small[k] * others[k]));
             let halves = |a: i32, b: i32| {
                 let product = |shift: i32| ((a >> shift) as u16).wrapping_mul((b >> shift) as u16);
                 i32::from(product(0)) | i32::from(product(16)) << 16

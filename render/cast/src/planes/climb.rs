@@ -259,13 +259,11 @@ fn last_of_block<L: Lanes>(l: L, axis: &Axis, cell: L::I, ground: L::I, level: L
 /// Where the blocks of each lane's level begin.
 #[inline(always)]
 fn level_begin<L: Lanes>(l: L, level: L::I) -> L::I {
-    // begin(l) = (4⁷ − 4^(9 − l)) / 3, as each level has four times the blocks of the next.
-    const ALL: i32 = (LEVEL_BEGIN[TOP as usize] + 1) * 3 + 1;
+    // begin(l) = 4^(9 − l) + … + 4⁶, as each level has four times the blocks of the next.
+    const ALL: i32 = LEVEL_BEGIN[TOP as usize] | 1;
     let left = l.sub_i(l.splat_i(TOP as i32 + 1), level);
     let four = l.shl_i(l.splat_i(1), l.add_i(left, left));
-    let thrice = l.sub_i(l.splat_i(ALL), four);
-    // The inverse of 3 modulo 2³²: of multiples of 3 it makes a third, exactly.
-    l.mul_i(thrice, l.splat_i(-1_431_655_765))
+    l.and_i(l.splat_i(ALL), l.sub_i(l.splat_i(0), four))
 }
 
 #[cfg(test)]

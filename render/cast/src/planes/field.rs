@@ -34,7 +34,7 @@ impl<'a, T> Tiles<'a, T> {
     pub(super) fn base<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
         let shift = l.splat_i(TILE_SHIFT);
         let number = l.add_i(
-            l.mul_i(l.shr_i(y, shift), l.splat_i(self.across)),
+            l.mul_small(l.shr_i(y, shift), l.splat_i(self.across)),
             l.shr_i(x, shift),
         );
         self.begin(l, number)
@@ -92,7 +92,7 @@ impl<'a, T> Tiles<'a, T> {
         y: L::I,
     ) -> L::I {
         let shift = l.splat_i(TILE_SHIFT);
-        let row = l.mul_i(l.shr_i(y, shift), across);
+        let row = l.mul_small(l.shr_i(y, shift), across);
         let number = l.add_i(first, l.add_i(row, l.shr_i(x, shift)));
         l.add_i(self.begin(l, number), self.within(l, x, y))
     }
@@ -101,7 +101,7 @@ impl<'a, T> Tiles<'a, T> {
     #[inline(always)]
     fn within<L: Lanes>(&self, l: L, x: L::I, y: L::I) -> L::I {
         let within = l.splat_i(TILE_LAST);
-        let row = l.mul_i(l.and_i(y, within), l.splat_i(self.stride as i32));
+        let row = l.mul_small(l.and_i(y, within), l.splat_i(self.stride as i32));
         l.add_i(row, l.and_i(x, within))
     }
 }
