@@ -373,11 +373,6 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: M, value: F, to: &mut [f32; LANES]) {
-        let value = on_halves!(_mm256_castps_si256, value);
-        on_values!(close_up(mask, value, bytemuck::cast_mut(to)));
-    }
-    #[inline(always)]
     fn compress_i(self, mask: M, value: I, to: &mut [i32; LANES]) {
         on_values!(close_up(mask, value, to));
     }

@@ -474,15 +474,8 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: __mmask16, value: __m512, to: &mut [f32; LANES]) {
-        // Not the instruction that compresses to memory, which some processors run slowly.
-        on_values!(_mm512_storeu_ps(
-            to.as_mut_ptr(),
-            _mm512_maskz_compress_ps(mask, value)
-        ));
-    }
-    #[inline(always)]
     fn compress_i(self, mask: __mmask16, value: __m512i, to: &mut [i32; LANES]) {
+        // Not the instruction that compresses to memory, which some processors run slowly.
         on_values!(_mm512_storeu_si512(
             to.as_mut_ptr().cast(),
             _mm512_maskz_compress_epi32(mask, value)

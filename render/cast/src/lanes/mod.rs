@@ -133,8 +133,19 @@ pub(crate) trait Lanes: Copy {
     fn exponent(self, a: Self::F) -> Self::I;
 
     /// Writes the lanes of `mask`, closed up, to the front of `to`; what follows is scratch.
-    fn compress(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]);
     fn compress_i(self, mask: Self::M, value: Self::I, to: &mut [i32; LANES]);
+    /// As `compress_i`, of several columns.
+    #[inline(always)]
+    fn compress_all<const N: usize>(
+        self,
+        mask: Self::M,
+        values: [Self::I; N],
+        to: [&mut [i32; LANES]; N],
+    ) {
+        for (value, to) in values.into_iter().zip(to) {
+            self.compress_i(mask, value, to);
+        }
+    }
 
     /// Asks for the memory of an item, to be read soon.
     fn prefetch_read<T>(self, items: &[T], at: usize);

@@ -448,11 +448,6 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn compress(self, mask: M, value: F, to: &mut [f32; LANES]) {
-        let value = on_quarters!(vreinterpretq_s32_f32, value);
-        self.compress_i(mask, value, bytemuck::cast_mut(to));
-    }
-    #[inline(always)]
     fn compress_i(self, mask: M, value: I, to: &mut [i32; LANES]) {
         let bits = usize::from(self.bits(mask));
         let to = to.as_mut_ptr();

@@ -27,19 +27,6 @@ fn truth(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()
 }
 
-/// Writes the lanes of `bits`, closed up, to the front of `to`.
-#[inline(always)]
-fn close_up<T: Copy>(mut bits: u16, value: [T; LANES], to: &mut [T; LANES]) {
-    // Lane by lane only of those asked for: they are few, or nearly all.
-    for to in to {
-        if bits == 0 {
-            break;
-        }
-        *to = value[bits.trailing_zeros() as usize % LANES];
-        bits &= bits - 1;
-    }
-}
-
 /// Reads places one after another, most of which lie in the slot of the one before.
 struct Cursor<'a, T> {
     items: &'a SlabView<'a, T>,
@@ -310,12 +297,24 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn compress(self, mask: M, value: F, to: &mut F) {
-        close_up(self.bits(mask), value, to);
-    }
-    #[inline(always)]
     fn compress_i(self, mask: M, value: I, to: &mut I) {
-        close_up(self.bits(mask), value, to);
+        self.compress_all(mask, [value], [to]);
+    }
+
+    #[inline(always)]
+    fn compress_all<const N: usize>(self, mask: M, values: [I; N], mut to: [&mut [i32; LANES]; N]) {
+        // Each lane is looked for once for all columns, and one end is not foreseen instead of many.
+        let mut bits = self.bits(mask);
+        for lane in 0..LANES {
+            if bits == 0 {
+                break;
+            }
+            let from = bits.trailing_zeros() as usize % LANES;
+            for (to, value) in to.iter_mut().zip(&values) {
+                to[lane] = value[from];
+            }
+            bits &= bits - 1;
+        }
     }
 
     #[inline(always)]

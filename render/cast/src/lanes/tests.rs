@@ -240,18 +240,15 @@ each_isa! {
         let mut random = Random::new();
         for bits in 0..=u16::MAX {
             let yes = truths(bits);
-            let kept = |lanes: [u32; LANES]| -> Vec<u32> {
-                (0..LANES).filter(|&k| yes[k]).map(|k| lanes[k]).collect()
-            };
-            let count = bits.count_ones() as usize;
-            let a = random.lanes(Random::float);
-            let mut to = [0.0; LANES];
-            l.compress(l.mask(bits), l.load(&a), &mut to);
-            assert_eq!(to.map(f32::to_bits)[..count], kept(a.map(f32::to_bits)), "on {}", type_name::<L>());
-            let a = random.lanes(Random::int);
-            let mut to = [0; LANES];
-            l.compress_i(l.mask(bits), l.load_i(&a), &mut to);
-            assert_eq!(to.map(|lane| lane as u32)[..count], kept(a.map(|lane| lane as u32)), "on {}", type_name::<L>());
+            let [a, b] = [random.lanes(Random::int), random.lanes(Random::int)];
+            let (mask, values) = (l.mask(bits), [l.load_i(&a), l.load_i(&b)]);
+            let [mut one, mut first, mut second] = [[0; LANES]; 3];
+            l.compress_i(mask, values[0], &mut one);
+            l.compress_all(mask, values, [&mut first, &mut second]);
+            for (to, lanes) in [(one, a), (first, a), (second, b)] {
+                let kept: Vec<_> = (0..LANES).filter(|&k| yes[k]).map(|k| lanes[k]).collect();
+                assert_eq!(to[..kept.len()], kept, "on {}", type_name::<L>());
+            }
         }
     }
 

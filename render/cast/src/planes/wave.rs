@@ -1,6 +1,7 @@
 //! The rays that are on their way, closed up, so that groups of lanes are always full.
 
 use crate::lanes::{LANES, Lanes, group, group_mut};
+use bytemuck::cast_mut;
 
 /// Rays that a wave holds at most: a chunk of a step, what is left of earlier ones, and a group.
 pub(super) const CAPACITY: usize = CHUNK + 16 * LANES;
@@ -174,14 +175,27 @@ impl Wave {
         t: L::F,
         [major, minor]: [L::I; 2],
     ) -> usize {
-        l.compress(mask, ray.advance, group_mut(&mut self.advance, to));
-        l.compress(mask, ray.inverse, group_mut(&mut self.inverse, to));
-        l.compress(mask, ray.slope, group_mut(&mut self.slope, to));
-        l.compress(mask, ray.leave, group_mut(&mut self.leave, to));
-        l.compress_i(mask, ray.id, group_mut(&mut self.id, to));
-        l.compress(mask, t, group_mut(&mut self.t, to));
-        l.compress_i(mask, major, group_mut(&mut self.major, to));
-        l.compress_i(mask, minor, group_mut(&mut self.minor, to));
+        let values = [
+            l.bits_of_float(ray.advance),
+            l.bits_of_float(ray.inverse),
+            l.bits_of_float(ray.slope),
+            l.bits_of_float(ray.leave),
+            ray.id,
+            l.bits_of_float(t),
+            major,
+            minor,
+        ];
+        let columns = [
+            cast_mut(group_mut(&mut self.advance, to)),
+            cast_mut(group_mut(&mut self.inverse, to)),
+            cast_mut(group_mut(&mut self.slope, to)),
+            cast_mut(group_mut(&mut self.leave, to)),
+            group_mut(&mut self.id, to),
+            cast_mut(group_mut(&mut self.t, to)),
+            group_mut(&mut self.major, to),
+            group_mut(&mut self.minor, to),
+        ];
+        l.compress_all(mask, values, columns);
         to + l.bits(mask).count_ones() as usize
     }
 

@@ -11,6 +11,7 @@ use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::patches::{CROSSES_MINOR, End, NONE, Path, next_cell};
 use crate::planes::wave::{CHUNK, Ray, first_lanes};
 use crate::tally::Tally;
+use bytemuck::cast_mut;
 
 /// The most rays that wait to be put on their way.
 const MOST: usize = CHUNK + LANES;
@@ -256,21 +257,22 @@ impl<L: Lanes> March<'_, L> {
         for lane in (first..behind).step_by(LANES) {
             let mask = l.mask(left.masks[(lane - first) as usize / LANES]);
             let at = self.slot(step) + MARGIN + lane as usize;
-            let load = |numbers: &[f32]| l.load(group(numbers, at));
-            l.compress_i(mask, self.ids(at), group_mut(&mut left.id, len));
-            l.compress(
-                mask,
-                load(&scratch.advance),
-                group_mut(&mut left.advance, len),
-            );
-            l.compress(mask, load(&scratch.slope), group_mut(&mut left.slope, len));
-            l.compress(
-                mask,
-                load(&scratch.reached),
-                group_mut(&mut left.start, len),
-            );
-            let cell = scratch.patches.cells(l, at);
-            l.compress_i(mask, cell, group_mut(&mut left.cell, len));
+            let bits = |numbers: &[f32]| l.bits_of_float(l.load(group(numbers, at)));
+            let values = [
+                self.ids(at),
+                bits(&scratch.advance),
+                bits(&scratch.slope),
+                bits(&scratch.reached),
+                scratch.patches.cells(l, at),
+            ];
+            let columns = [
+                group_mut(&mut left.id, len),
+                cast_mut(group_mut(&mut left.advance, len)),
+                cast_mut(group_mut(&mut left.slope, len)),
+                cast_mut(group_mut(&mut left.start, len)),
+                group_mut(&mut left.cell, len),
+            ];
+            l.compress_all(mask, values, columns);
             len += l.bits(mask).count_ones() as usize;
         }
         left.len = len;
