@@ -334,10 +334,11 @@ impl Lanes for Portable {
     #[inline(always)]
     fn scatter(self, mask: M, at: I, value: F, to: &mut [f32]) {
         let last = to.len() - 1;
-        for k in 0..LANES {
-            if mask[k] != 0 {
-                to[(at[k] as u32 as usize).min(last)] = value[k];
-            }
+        let mut bits = self.bits(mask);
+        while bits != 0 {
+            let k = bits.trailing_zeros() as usize % LANES;
+            to[(at[k] as u32 as usize).min(last)] = value[k];
+            bits &= bits - 1;
         }
     }
 
