@@ -427,15 +427,12 @@ impl Lanes for Avx2 {
     fn scatter(self, mask: M, at: I, value: F, to: &mut [f32]) {
         assert!(!to.is_empty());
         let last = to.len() - 1;
-        let mut bits = self.bits(mask);
-        let mut places = [0; LANES];
-        self.store_i(at, &mut places);
-        let mut values = [0.0; LANES];
+        let (mut places, mut values) = ([0; LANES], [0.0; LANES]);
+        // All sixteen: how many lanes there are is not foreseen, and to find that out takes longer.
+        self.store_i(self.select_i(mask, at, self.splat_i(-1)), &mut places);
         self.store(value, &mut values);
-        while bits != 0 {
-            let k = bits.trailing_zeros() as usize % LANES;
+        for k in 0..LANES {
             to[(places[k] as u32 as usize).min(last)] = values[k];
-            bits &= bits - 1;
         }
     }
 

@@ -161,7 +161,8 @@ pub(crate) trait Lanes: Copy {
     /// Columns for rows.
     fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
 
-    /// Writes the lanes of `mask`, each to its own place; a place beyond the end to the last one.
+    /// Writes the lanes of `mask`, each to its own place of `to`, of which the last one is scratch: it takes
+    /// those for places beyond it, too.
     fn scatter(self, mask: Self::M, at: Self::I, value: Self::F, to: &mut [f32]);
 
     /// Writes the lanes of `mask`, a pair of numbers each, to their own places of `to`, of which the
