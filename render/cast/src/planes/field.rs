@@ -284,6 +284,26 @@ impl<'a> Field<'a> {
         [self.major.cell(l, t), self.minor.cell(l, l.mul(t, advance))]
     }
 
+    /// As `cell_at`, for rays that stand on a line of the one or the other axis, where they cross it: the
+    /// cell behind it.
+    #[inline(always)]
+    pub(super) fn cell_behind<L: Lanes>(
+        &self,
+        l: L,
+        t: L::F,
+        advance: L::F,
+        [crosses_major, crosses_minor]: [L::M; 2],
+    ) -> [L::I; 2] {
+        // Half a cell further on, where it does not matter how the line was rounded.
+        let further =
+            |crosses: L::M, along: L::F| l.select(crosses, l.add(along, l.splat(0.5)), along);
+        [
+            self.major.cell(l, further(crosses_major, t)),
+            self.minor
+                .cell(l, further(crosses_minor, l.mul(t, advance))),
+        ]
+    }
+
     /// The ground's columns and rows of mirrored cells (major, minor).
     #[inline(always)]
     pub(super) fn cells<L: Lanes>(&self, l: L, major: L::I, minor: L::I) -> [L::I; 2] {

@@ -104,6 +104,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         let lanes = lanes_ahead[step as usize % AHEAD];
         scratch.lanes[step as usize % MEMORY] = lanes;
         let carries = can_carry && carrying.begin(&march, step, scratch);
+        scratch.patches.set_step(step);
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];

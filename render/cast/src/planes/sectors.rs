@@ -55,8 +55,6 @@ pub(super) struct Sector {
     width: i32,
     /// About how many pixels it has.
     size: f64,
-    /// The lanes that any step has, and some more.
-    reach: [i32; 2],
 }
 
 impl Sector {
@@ -70,14 +68,6 @@ impl Sector {
         let mut pixel = [self.image_step(k); 2];
         pixel[1 - self.step_axis] = lane as u32;
         pixel
-    }
-
-    /// The lanes that its steps have, from the first to behind the last, and some more.
-    pub(super) fn reach(&self) -> [i32; 2] {
-        [
-            (self.reach[0] - 2).max(0),
-            (self.reach[1] + 3).min(self.width),
-        ]
     }
 
     fn has_pixels(&self) -> bool {
@@ -391,7 +381,6 @@ impl ImageRays {
                         signs,
                         sides: piece.ordered_sides(),
                         size: piece.size(),
-                        reach: piece.range(1 - step_axis).map(|at| at as i32),
                         width: self.size[1 - step_axis] as i32,
                     });
                 }

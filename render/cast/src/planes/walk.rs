@@ -14,9 +14,8 @@ pub(super) struct Passage {
     /// How rays come through their cells, until it is known where they meet the ground there: the numbers
     /// of a [`Crossing`].
     crossings: [Column<f32>; 5],
-    /// The ground that rays met, and the numbers of these rays: of those that met none, one that no ray
-    /// has.
-    ids: Column<i32>,
+    /// The ground that rays met, and its places among all patches.
+    patch_places: Column<i32>,
     patches: [Column<i32>; NUMBERS],
 }
 
@@ -25,7 +24,7 @@ impl Default for Passage {
         Self {
             place: [0; CAPACITY],
             crossings: [[0.0; CAPACITY]; 5],
-            ids: [0; CAPACITY],
+            patch_places: [0; CAPACITY],
             patches: [[0; CAPACITY]; NUMBERS],
         }
     }
@@ -70,11 +69,10 @@ impl Passage {
         }
     }
 
-    /// And which rays meet it there.
+    /// And where that of rays goes that meet it there.
     #[inline(always)]
-    fn keep_ids<L: Lanes>(&mut self, l: L, at: usize, hit: L::M, id: L::I) {
-        let id = l.select_i(hit, id, l.splat_i(i32::MAX));
-        l.store_i(id, group_mut(&mut self.ids, at));
+    fn keep_places<L: Lanes>(&mut self, l: L, at: usize, places: L::I) {
+        l.store_i(places, group_mut(&mut self.patch_places, at));
     }
 }
 
@@ -172,6 +170,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
         len: [0, high.len()],
         high,
         reached,
+        patches,
         coarser,
     };
     l.vectorize(
@@ -212,7 +211,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
             #[inline(always)]
             || {
                 for at in groups() {
-                    patches.scatter(&passage.ids, &passage.patches, at);
+                    patches.scatter(&passage.patch_places, &passage.patches, at);
                 }
             },
         );
@@ -224,6 +223,7 @@ struct Ends<'a, 'b> {
     field: &'a Field<'a>,
     high: &'a mut Wave,
     reached: &'a mut [f32],
+    patches: &'a Patches,
     coarser: Option<Coarser<'b>>,
     /// How many rays are low and high behind their cells so far.
     len: [usize; 2],
@@ -248,7 +248,8 @@ impl Ends<'_, '_> {
         let hit_t = l.mul(met.hit_t, l.splat(field.scale));
         l.scatter(hit, ray.id, hit_t, self.reached);
         if KEEPS {
-            passage.keep_ids(l, at, hit, ray.id);
+            let places = self.patches.places(l, hit, ray.id);
+            passage.keep_places(l, at, places);
         }
         let going = l.and_not(l.and(mask, l.lt(crossing.next, ray.leave)), hit);
         self.len = go_on(l, field, wave, self.high, len, going, &ray, crossing);

@@ -8,10 +8,13 @@ use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
 use super::set_out::same_lanes;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
-use crate::planes::patches::{CROSSES_MINOR, End, NONE, Path, next_cell};
+use crate::planes::patches::Path;
 use crate::planes::wave::{CHUNK, Ray, first_lanes};
 use crate::tally::Tally;
 use bytemuck::cast_mut;
+
+/// Added to the number of a ray that has passed its predecessor's cell.
+const PASSED: i32 = 1 << 30;
 
 /// The most rays that wait to be put on their way.
 const MOST: usize = CHUNK + LANES;
@@ -19,78 +22,36 @@ const MOST: usize = CHUNK + LANES;
 /// Rays that end in other cells than their predecessors, closed up: a number a ray.
 #[repr(align(64))]
 pub(in crate::planes) struct Left {
-    /// Of each group of a chunk, which rays are left.
+    /// Of each group of a chunk, which rays are left, and which have passed their predecessors' cells,
+    /// or end in them.
     masks: [u16; CHUNK / LANES],
+    passed: [u16; CHUNK / LANES],
     len: usize,
-    /// Where its result goes.
+    /// Where its result goes, and [`PASSED`] where it has passed its predecessor's cell: then it stands on
+    /// a line behind that.
     id: [i32; MOST],
     advance: [f32; MOST],
     slope: [f32; MOST],
-    /// Up to where it is clear: along the major axis or, where its cell has [`CROSSES_MINOR`], along the
-    /// minor one. Negative where no ray before it tells.
+    /// Up to where it is clear. Negative where no ray before it tells; or, if it has passed, where that
+    /// line is one of the minor axis, along which it is this far then.
     start: [f32; MOST],
-    /// The cell into which it comes there, or [`NONE`] where that has to be found.
-    cell: [i32; MOST],
-    between: Between,
 }
 
 impl Default for Left {
     fn default() -> Self {
         Self {
             masks: [0; CHUNK / LANES],
+            passed: [0; CHUNK / LANES],
             len: 0,
             id: [0; MOST],
             advance: [0.0; MOST],
             slope: [0.0; MOST],
             start: [0.0; MOST],
-            cell: [0; MOST],
-            between: Between::default(),
-        }
-    }
-}
-
-/// What is known of a block of rays between its two loops, a number a ray: of their [`Path`]s.
-#[repr(align(64))]
-struct Between {
-    start: [f32; BLOCK],
-    line: [f32; BLOCK],
-    next: [i32; BLOCK],
-    /// What is left of the cell.
-    major: [f32; BLOCK],
-    minor: [f32; BLOCK],
-    here: [f32; BLOCK],
-    rate: [f32; BLOCK],
-    discriminant: [f32; BLOCK],
-    inside: [u16; BLOCK / LANES],
-}
-
-impl Default for Between {
-    fn default() -> Self {
-        Self {
-            start: [0.0; BLOCK],
-            line: [0.0; BLOCK],
-            next: [0; BLOCK],
-            major: [0.0; BLOCK],
-            minor: [0.0; BLOCK],
-            here: [0.0; BLOCK],
-            rate: [0.0; BLOCK],
-            discriminant: [0.0; BLOCK],
-            inside: [0; BLOCK / LANES],
         }
     }
 }
 
 impl<L: Lanes> March<'_, L> {
-    /// Forgets what ground rays have met.
-    #[inline(never)]
-    pub(super) fn forget(&self, scratch: &mut Scratch) {
-        let [from, to] = self.sector.reach();
-        for slot in 0..MEMORY as u32 {
-            let at = self.slot(slot) + MARGIN;
-            scratch.patches.forget(at + from as usize..at + to as usize);
-        }
-    }
-
     /// Tells a step's rays what they meet if that is in their predecessors' cells, and marks the others
     /// in `scratch.left`.
     ///
@@ -157,7 +118,6 @@ impl<L: Lanes> March<'_, L> {
         let l = self.l;
         let field = &self.fields[0];
         let at = self.slot(step) + MARGIN + first as usize;
-        let none = l.splat_i(NONE);
         let groups = (0..BLOCK).step_by(LANES);
         let groups = groups.zip((first..behind).step_by(LANES));
         let advances = block_mut(&mut scratch.advance, at);
@@ -170,26 +130,25 @@ impl<L: Lanes> March<'_, L> {
                 l.store(aimed.advance, group_mut(advances, k));
                 l.store(aimed.slope, group_mut(slopes, k));
                 l.store(l.splat(-1.0), group_mut(reached, k));
-                scratch.patches.forget(at + k..at + k + LANES);
                 left.masks[(in_chunk + k) / LANES] = first_lanes(behind - lane);
+                left.passed[(in_chunk + k) / LANES] = 0;
             }
             return;
         };
         let before_step = step - before.steps as u32;
         let before_lanes =
             scratch.lanes[before_step as usize % MEMORY].map(|lane| lane - before.lanes);
-        let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
         let before_at = ((self.slot(before_step) + MARGIN) as i32 + first + before.lanes) as usize;
         let [reached, starts] = scratch
             .reached
             .get_disjoint_mut([at..at + BLOCK, before_at..before_at + BLOCK])
             .expect("steps do not share numbers");
-        let (mut patches, known_patches) = scratch.patches.of_steps([at, before_at]);
+        let patches = scratch.patches.block(at);
         let [major_begin, minor_begin] = self.bounds.map(|[begin, _]| begin.max(0.0));
         let is_outside = major_begin > 0.0 || minor_begin > 0.0;
         let direction = self.directions.at(step, first);
-        let (left, between) = (&mut left.masks, &mut left.between);
-        for (k, lane) in groups.clone() {
+        let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
+        for (k, lane) in groups {
             let [major, minor, up] = aim.further(l, direction, k);
             let scale = l.div(l.splat(1.0), major);
             let (advance, slope) = (l.mul(minor, scale), l.mul(up, scale));
@@ -201,49 +160,24 @@ impl<L: Lanes> March<'_, L> {
                 // In this order: a ray along the major axis has no number there.
                 start = l.max(start, l.max(enter, l.splat(major_begin)));
             }
-            let known = if all_known {
-                l.mask(u16::MAX)
-            } else {
-                l.mask(same_lanes(before_lanes, lane))
-            };
-            let patch = known_patches.load(l, k);
-            patches.store(l, k, &patch);
+            let patch = patches.load(l, k);
             let path = Path::new(l, field, [advance, slope], start, &patch);
-            let start = l.select(known, start, l.splat(-1.0));
-            l.store(start, group_mut(&mut between.start, k));
-            l.store(path.line, group_mut(&mut between.line, k));
-            l.store_i(path.next, group_mut(&mut between.next, k));
-            l.store(path.end.major_left, group_mut(&mut between.major, k));
-            l.store(path.end.minor_left, group_mut(&mut between.minor, k));
-            l.store(path.end.here, group_mut(&mut between.here, k));
-            l.store(path.end.rate, group_mut(&mut between.rate, k));
-            l.store(
-                path.end.discriminant,
-                group_mut(&mut between.discriminant, k),
-            );
-            between.inside[k / LANES] = l.bits(l.and(known, path.is_in));
-        }
-        for (k, lane) in groups {
-            let advance = l.load(group(advances, k));
-            let inside = l.mask(between.inside[k / LANES]);
-            let start = l.load(group(&between.start, k));
-            let end = End {
-                major_left: l.load(group(&between.major, k)),
-                minor_left: l.load(group(&between.minor, k)),
-                here: l.load(group(&between.here, k)),
-                rate: l.load(group(&between.rate, k)),
-                discriminant: l.load(group(&between.discriminant, k)),
+            let known = if all_known {
+                u16::MAX
+            } else {
+                same_lanes(before_lanes, lane)
             };
-            let (hit, further) = end.find(l, advance);
+            let start = l.select(l.mask(known), start, l.splat(-1.0));
+            let inside = l.and(l.mask(known), path.is_in);
+            left.passed[(in_chunk + k) / LANES] = l.bits(inside);
+            let (hit, further) = path.find(l, advance);
             let hit = l.and(inside, hit);
             // What is left goes on behind the cell, if the ray is clear that far.
-            let from = l.select(inside, l.load(group(&between.line, k)), start);
+            let from = l.select(inside, path.line, start);
             let t = l.select(hit, l.add(start, further), from);
             l.store(t, group_mut(reached, k));
-            let next = l.select_i(inside, l.load_i(group(&between.next, k)), none);
-            patches.set_cells(l, k, hit, next);
             let all = first_lanes(behind - lane);
-            left[(in_chunk + k) / LANES] = all & !l.bits(hit);
+            left.masks[(in_chunk + k) / LANES] = all & !l.bits(hit);
             tally.cells_of((at + k) as i32, all & l.bits(hit));
         }
     }
@@ -255,22 +189,22 @@ impl<L: Lanes> March<'_, L> {
         let left = &mut *scratch.left;
         let mut len = 0;
         for lane in (first..behind).step_by(LANES) {
-            let mask = l.mask(left.masks[(lane - first) as usize / LANES]);
+            let number = (lane - first) as usize / LANES;
+            let mask = l.mask(left.masks[number]);
+            let passed = l.mask(left.passed[number]);
             let at = self.slot(step) + MARGIN + lane as usize;
             let bits = |numbers: &[f32]| l.bits_of_float(l.load(group(numbers, at)));
             let values = [
-                self.ids(at),
+                l.add_i_where(passed, self.ids(at), l.splat_i(PASSED)),
                 bits(&scratch.advance),
                 bits(&scratch.slope),
                 bits(&scratch.reached),
-                scratch.patches.cells(l, at),
             ];
             let columns = [
                 group_mut(&mut left.id, len),
                 cast_mut(group_mut(&mut left.advance, len)),
                 cast_mut(group_mut(&mut left.slope, len)),
                 cast_mut(group_mut(&mut left.start, len)),
-                group_mut(&mut left.cell, len),
             ];
             l.compress_all(mask, values, columns);
             len += l.bits(mask).count_ones() as usize;
@@ -289,11 +223,11 @@ impl<L: Lanes> March<'_, L> {
         for at in (0..scratch.left.len).step_by(LANES) {
             let all = l.mask(first_lanes((scratch.left.len - at) as i32));
             let left = &scratch.left;
-            let id = l.load_i(group(&left.id, at));
+            let id_and_passed = l.load_i(group(&left.id, at));
+            let id = l.and_i(id_and_passed, l.splat_i(PASSED - 1));
             let advance = l.load(group(&left.advance, at));
             let slope = l.load(group(&left.slope, at));
             let start = l.load(group(&left.start, at));
-            let cell = l.load_i(group(&left.cell, at));
             let inverse = l.div(one, advance);
             let stay = self.stay(all, inverse, slope);
             let ray = Ray {
@@ -304,20 +238,17 @@ impl<L: Lanes> March<'_, L> {
                 id,
             };
             l.scatter(all, id, stay.nothing(l), &mut scratch.reached);
-            let known = l.and(stay.ok, l.le(zero, start));
-            let fresh = l.and_not(stay.ok, known);
             // Those that passed their predecessors' cells stand on a line of the one or the other axis.
-            let passed = l.gt_i(l.splat_i(NONE), cell);
-            let crosses_minor = l.gt_i(l.and_i(cell, l.splat_i(CROSSES_MINOR)), l.splat_i(0));
-            let crosses_minor = l.and(passed, crosses_minor);
-            let start = l.select(crosses_minor, l.mul(start, inverse), start);
+            let passed = l.gt_i(id_and_passed, l.splat_i(PASSED - 1));
+            let crosses_major = l.le(zero, start);
+            let known = l.and(stay.ok, l.or(passed, crosses_major));
+            let fresh = l.and_not(stay.ok, known);
+            let crosses_minor = l.and_not(passed, crosses_major);
+            let crosses_major = l.and(passed, crosses_major);
+            let on_minor = l.mul(l.sub(zero, start), inverse);
+            let start = l.select(crosses_minor, on_minor, start);
             let near = l.and(known, l.lt(start, stay.leave));
-            let [major, minor] = field.cell_at(l, start, advance);
-            let [next_major, next_minor] = next_cell(l, cell);
-            let cell = [
-                l.select_i(passed, next_major, major),
-                l.select_i(passed, next_minor, minor),
-            ];
+            let cell = field.cell_behind(l, start, advance, [crosses_major, crosses_minor]);
             scratch.waves[0].low.push(l, near, &ray, start, cell);
             near_ground += l.bits(near).count_ones() as usize;
             if l.bits(fresh) != 0 {
@@ -417,7 +348,12 @@ impl Carrying {
         if step >= self.rests_until.max(2) && step.is_multiple_of(LOOK) {
             let changes = march.changes(step - 1, scratch);
             if changes.all >= 8 && changes.of() < FEW {
-                march.forget(scratch);
+                let sector = march.sector;
+                let [from, to] = sector.lanes(sector.steps / 2);
+                let [aside, by_lane] = march.towards(sector.steps / 2);
+                let aside = aside + 0.5 * f64::from(from + to) * by_lane;
+                scratch.patches.begin(march.room, sector.steps, aside);
+                scratch.patches.forget();
                 scratch.keeps_patches = true;
                 self.from = Some(step + 1);
             }

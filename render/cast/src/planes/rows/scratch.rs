@@ -102,7 +102,6 @@ impl Scratch {
         self.led.clear();
         self.led
             .resize(MEMORY * room.div_ceil(CHUNK), [i32::MIN, i32::MAX]);
-        self.patches.begin(room * MEMORY);
         self.keeps_patches = false;
         self.pixels.begin(canvas, sector, width + MARGIN);
         room
