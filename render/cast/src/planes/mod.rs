@@ -29,7 +29,7 @@ use self::detail::{Detail, DetailOptions};
 use self::frame::{Frame, Level};
 use self::roofs::Roofs;
 use self::rows::{Scratch, cast_sector};
-use self::sectors::{ImageRays, Sector};
+use self::sectors::{Bounds, ImageRays, Sector};
 use self::steepness::Steepness;
 use crate::brute::cast_row;
 use crate::canvas::Canvas;
@@ -115,6 +115,10 @@ const DETAILED_WIDTH: u32 = 512;
 /// About how many pixels a sector has that is cut across its planes, so that many threads have something
 /// to do: its first step's rays have none to begin from, and take as long as those of a few other steps.
 const SIZE: f64 = 512_000.0;
+
+/// About how far rays advance along the minor axis at most, in cells for each one of the major axis: where
+/// a narrow part has rays that advance more than one, it may go with its neighbour.
+const MOST_ADVANCE: f64 = 2.0;
 
 /// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
 /// too few digits for a hundredth of a cell.
@@ -202,19 +206,24 @@ impl UnitCaster for PlanesScene {
             Some(detail) => detail.levels(finest),
             None => vec![finest],
         };
+        let eye = view.eye * per_metre;
+        let is_detailed = self.detail.is_some();
+        let bounds = Bounds {
+            width: if is_detailed { DETAILED_WIDTH } else { WIDTH },
+            size: if is_detailed { f64::INFINITY } else { SIZE },
+            most_advance: if is_detailed { 1.0 } else { MOST_ADVANCE },
+            eye: [eye.x, eye.y],
+            cells: levels[0].cells,
+        };
         Ok(Frame {
             isa: self.isa,
             levels,
             detail: self.detail.as_ref().map(Detail::frame),
             ground,
             view,
-            sectors: if self.detail.is_some() {
-                rays.sectors(DETAILED_WIDTH, f64::INFINITY)
-            } else {
-                rays.sectors(WIDTH, SIZE)
-            },
+            sectors: rays.sectors(&bounds),
             rays,
-            eye: view.eye * per_metre,
+            eye,
             highest: ground.range()[1],
             rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),

@@ -249,12 +249,7 @@ impl Part {
 
     /// The area in pixels.
     fn size(&self) -> f64 {
-        let next = self.corners.iter().cycle().skip(1);
-        let edges = self.corners.iter().zip(next);
-        0.5 * edges
-            .map(|(a, b)| a[0] * b[1] - a[1] * b[0])
-            .sum::<f64>()
-            .abs()
+        area(&self.corners)
     }
 
     fn range(&self, axis: usize) -> [f64; 2] {
@@ -263,6 +258,48 @@ impl Part {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], corner| {
                 [low.min(corner[axis]), high.max(corner[axis])]
             })
+    }
+}
+
+/// The area of the polygon with these corners.
+fn area(corners: &[[f64; 2]]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let edges = corners.iter().zip(next);
+    let turns = edges.map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
+    0.5 * turns.sum::<f64>().abs()
+}
+
+/// Parts cut by lines, in turn.
+fn cut(mut parts: Vec<Part>, lines: &[Line]) -> Vec<Part> {
+    for &line in lines {
+        let split = |part: &Part| [true, false].map(|positive| part.on(Side { line, positive }));
+        parts = parts.iter().flat_map(split).flatten().collect();
+    }
+    parts
+}
+
+/// What sectors there may be.
+pub(super) struct Bounds {
+    /// About how many pixels a step has at most.
+    pub(super) width: u32,
+    /// About how many pixels a sector has at most, or half as many again.
+    pub(super) size: f64,
+    /// About how many cells rays advance along the minor axis at most for each one of the major axis;
+    /// at least 1.
+    pub(super) most_advance: f64,
+    /// Where the eye lies over the ground along both axes, in cells, and how many cells there are.
+    pub(super) eye: [f64; 2],
+    pub(super) cells: [i32; 2],
+}
+
+impl Bounds {
+    /// Whether rays that run one way along an axis begin before the ground does.
+    fn is_beside(&self, axis: usize, sign: f64) -> bool {
+        if sign > 0.0 {
+            self.eye[axis] < 0.0
+        } else {
+            self.eye[axis] > f64::from(self.cells[axis])
+        }
     }
 }
 
@@ -315,10 +352,9 @@ impl ImageRays {
         point.map(|x| sign * x)
     }
 
-    /// The image's sectors, none with more than about `width` pixels in a step, nor with half as much
-    /// again as `size` pixels. The largest come first: threads that take them in turn are done at about
-    /// the same time.
-    pub(super) fn sectors(&self, width: u32, size: f64) -> Vec<Sector> {
+    /// The image's sectors. The largest come first: threads that take them in turn are done at about the
+    /// same time.
+    pub(super) fn sectors(&self, bounds: &Bounds) -> Vec<Sector> {
         let [w, h] = self.size.map(f64::from);
         let whole = Part {
             corners: vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]],
@@ -341,23 +377,19 @@ impl ImageRays {
             at_origin: a * toward[0].at_origin + b * toward[1].at_origin,
             along: [0, 1].map(|k| a * toward[0].along[k] + b * toward[1].along[k]),
         };
-        // Six lines through the vanishing point; each pixel is on one side of each.
+        // Four lines through the vanishing point; each pixel is on one side of each.
         let lines = [
             combined(1.0, -1.0),
             combined(1.0, 1.0),
             self.line(1.0, 0.0),
             self.line(0.0, 1.0),
-            self.line(1.0, -1.0),
-            self.line(1.0, 1.0),
         ];
-        let mut parts = vec![whole];
-        for line in lines {
-            let split =
-                |part: &Part| [true, false].map(|positive| part.on(Side { line, positive }));
-            parts = parts.iter().flat_map(split).flatten().collect();
-        }
+        let parts = cut(vec![whole], &lines);
+        let parts = parts
+            .into_iter()
+            .flat_map(|part| self.by_major(part, bounds));
         let mut sectors = Vec::new();
-        for part in parts {
+        for (part, major) in parts {
             let positive = |k: usize| part.signs[k];
             let step_axis = usize::from(positive(0) != positive(1));
             let backwards = if step_axis == 0 {
@@ -366,12 +398,11 @@ impl ImageRays {
                 positive(1)
             };
             let direction = if backwards { -1 } else { 1 };
-            let major = usize::from(positive(4) != positive(5));
             let axis_signs = [positive(2), positive(3)].map(|p| if p { 1 } else { -1 });
-            let major_sign = if positive(5) { 1 } else { -1 };
-            let signs = [major_sign, axis_signs[1 - major]];
-            for part in self.strips(part, step_axis, [px, py, pw], width) {
-                for (piece, [low, high]) in part.pieces(step_axis, self.size[step_axis], size) {
+            let signs = [axis_signs[major], axis_signs[1 - major]];
+            for part in self.strips(part, step_axis, [px, py, pw], bounds.width) {
+                let pieces = part.pieces(step_axis, self.size[step_axis], bounds.size);
+                for (piece, [low, high]) in pieces {
                     sectors.push(Sector {
                         step_axis,
                         first_step: if direction > 0 { low } else { high },
@@ -390,6 +421,38 @@ impl ImageRays {
         sectors.retain(Sector::has_pixels);
         sectors.sort_by(|a, b| b.size.total_cmp(&a.size));
         sectors
+    }
+
+    /// A part whose rays run one way along both of the ground's axes, with its major axis: as it is, or
+    /// cut into two.
+    fn by_major(&self, part: Part, bounds: &Bounds) -> Vec<(Part, usize)> {
+        let signs = [part.signs[2], part.signs[3]].map(|up| if up { 1.0 } else { -1.0 });
+        // The area whose rays advance more.
+        let beyond = |major: usize, advance: f64| {
+            let mut by_axis = signs;
+            by_axis[major] *= -advance;
+            let line = self.line(by_axis[0], by_axis[1]);
+            area(&clipped(&part.corners, |corner| line.at(corner)))
+        };
+        let major = usize::from(beyond(1, 1.0) < beyond(0, 1.0));
+        // Corners lie up to a pixel outside.
+        let [width, height] = [0, 1]
+            .map(|axis| part.range(axis))
+            .map(|[from, to]| to - from);
+        if bounds.most_advance > 1.0
+            && beyond(major, bounds.most_advance) < width + height
+            && !bounds.is_beside(1 - major, signs[1 - major])
+        {
+            return vec![(part, major)];
+        }
+        let diagonals = [self.line(1.0, -1.0), self.line(1.0, 1.0)];
+        let parts = cut(vec![part], &diagonals).into_iter();
+        parts
+            .map(|part| {
+                let major = usize::from(part.signs[4] != part.signs[5]);
+                (part, major)
+            })
+            .collect()
     }
 
     /// A part cut along vertical planes into strips of about `width` pixels where it is widest.
@@ -469,7 +532,7 @@ mod tests {
             for view in views() {
                 let [w, h] = view.size;
                 let mut owners = vec![0; (w * h) as usize];
-                for sector in rays(&view, per_metre).sectors(width, 200.0) {
+                for sector in rays(&view, per_metre).sectors(width, 200.0, most_advance) {
                     for k in 0..sector.steps {
                         let [from, to] = sector.lanes(k);
                         for lane in from..to {
@@ -488,7 +551,7 @@ mod tests {
     fn large_sectors_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
-            let sectors = rays(&view, DVec3::ONE).sectors(150, 1e4);
+            let sectors = rays(&view, DVec3::ONE).sectors(150, 1e4, 1.0);
             let pixels = |sector: &Sector| -> i32 {
                 let lanes = (0..sector.steps).map(|k| sector.lanes(k));
                 lanes.map(|[from, to]| to - from).sum()
@@ -507,7 +570,7 @@ mod tests {
     fn rays_of_a_sector_run_its_way() {
         for view in views() {
             let image = rays(&view, DVec3::ONE);
-            for sector in image.sectors(512, 200.0) {
+            for sector in image.sectors(512, 200.0, most_advance) {
                 for k in 0..sector.steps {
                     let [from, to] = sector.lanes(k);
                     for lane in from..to {
