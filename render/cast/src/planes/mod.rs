@@ -120,6 +120,10 @@ const SIZE: f64 = 512_000.0;
 /// a narrow part has rays that advance more than one, it may go with its neighbour.
 const MOST_ADVANCE: f64 = 2.0;
 
+/// How many lanes aside a ray's predecessor lies at most, about, in the step before: up to that, a part
+/// need not be cut only because its lines run more along steps.
+const MOST_ASIDE: f64 = 2.0;
+
 /// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
 /// too few digits for a hundredth of a cell.
 const FARTHEST: f64 = 131_072.0;
@@ -212,6 +216,7 @@ impl UnitCaster for PlanesScene {
             width: if is_detailed { DETAILED_WIDTH } else { WIDTH },
             size: if is_detailed { f64::INFINITY } else { SIZE },
             most_advance: if is_detailed { 1.0 } else { MOST_ADVANCE },
+            most_aside: if is_detailed { 1.0 } else { MOST_ASIDE },
             eye: [eye.x, eye.y],
             cells: levels[0].cells,
         };

@@ -79,8 +79,8 @@ impl Patches {
     /// Makes ready for a sector of so many steps, of which each has `room` numbers (a power of two), in
     /// whose middle lines through the vanishing point come from so many lanes aside.
     pub(super) fn begin(&mut self, room: usize, steps: u32, aside: f64) {
-        // Lines run more along steps than along lanes.
-        self.drift = aside.clamp(-1.0, 1.0);
+        // Not far, even where the middle is the vanishing point itself.
+        self.drift = aside.clamp(-4.0, 4.0);
         let way = self.drift * f64::from(steps);
         self.first = (-way).max(0.0).ceil();
         self.lane_bits = room as i32 - 1;

@@ -252,6 +252,20 @@ impl Part {
         area(&self.corners)
     }
 
+    /// How large it may seem where it has no pixel, as corners lie up to a pixel outside.
+    fn rim(&self) -> f64 {
+        let [width, height] = [0, 1]
+            .map(|axis| self.range(axis))
+            .map(|[from, to]| to - from);
+        width + height
+    }
+
+    /// A place in it.
+    fn middle(&self) -> [f64; 2] {
+        let count = self.corners.len() as f64;
+        [0, 1].map(|axis| self.corners.iter().map(|corner| corner[axis]).sum::<f64>() / count)
+    }
+
     fn range(&self, axis: usize) -> [f64; 2] {
         self.corners
             .iter()
@@ -287,6 +301,8 @@ pub(super) struct Bounds {
     /// About how many cells rays advance along the minor axis at most for each one of the major axis;
     /// at least 1.
     pub(super) most_advance: f64,
+    /// About how many lanes aside a ray's predecessor lies at most in the step before; at least 1.
+    pub(super) most_aside: f64,
     /// Where the eye lies over the ground along both axes, in cells, and how many cells there are.
     pub(super) eye: [f64; 2],
     pub(super) cells: [i32; 2],
@@ -361,46 +377,22 @@ impl ImageRays {
             sides: Vec::new(),
             signs: Vec::new(),
         };
-        let [px, py, pw] = self.vertical();
-        // Towards the predecessor, as lines over the image.
-        let toward = [
-            Line {
-                at_origin: px,
-                along: [-pw, 0.0],
-            },
-            Line {
-                at_origin: py,
-                along: [0.0, -pw],
-            },
-        ];
-        let combined = |a: f64, b: f64| Line {
-            at_origin: a * toward[0].at_origin + b * toward[1].at_origin,
-            along: [0, 1].map(|k| a * toward[0].along[k] + b * toward[1].along[k]),
-        };
-        // Four lines through the vanishing point; each pixel is on one side of each.
-        let lines = [
-            combined(1.0, -1.0),
-            combined(1.0, 1.0),
-            self.line(1.0, 0.0),
-            self.line(0.0, 1.0),
-        ];
-        let parts = cut(vec![whole], &lines);
-        let parts = parts
-            .into_iter()
-            .flat_map(|part| self.by_major(part, bounds));
+        // Lines through the vanishing point: rays run one way along each of the ground's axes.
+        let parts = cut(vec![whole], &[self.line(1.0, 0.0), self.line(0.0, 1.0)]);
+        let parts = parts.into_iter().flat_map(|part| {
+            let signs = [part.signs[0], part.signs[1]].map(|up| if up { 1 } else { -1 });
+            let parts = self.by_steps(part, bounds).into_iter();
+            parts.flat_map(move |(part, steps)| {
+                let parts = self.by_major(part, signs, bounds).into_iter();
+                parts.map(move |(part, major)| {
+                    (part, steps, [signs[major], signs[1 - major]], major)
+                })
+            })
+        });
+        let point = self.vertical();
         let mut sectors = Vec::new();
-        for (part, major) in parts {
-            let positive = |k: usize| part.signs[k];
-            let step_axis = usize::from(positive(0) != positive(1));
-            let backwards = if step_axis == 0 {
-                positive(0)
-            } else {
-                positive(1)
-            };
-            let direction = if backwards { -1 } else { 1 };
-            let axis_signs = [positive(2), positive(3)].map(|p| if p { 1 } else { -1 });
-            let signs = [axis_signs[major], axis_signs[1 - major]];
-            for part in self.strips(part, step_axis, [px, py, pw], bounds.width) {
+        for (part, (step_axis, direction), signs, major) in parts {
+            for part in self.strips(part, step_axis, point, bounds.width) {
                 let pieces = part.pieces(step_axis, self.size[step_axis], bounds.size);
                 for (piece, [low, high]) in pieces {
                     sectors.push(Sector {
@@ -423,10 +415,54 @@ impl ImageRays {
         sectors
     }
 
+    /// A part with the image's axis along which its steps run, and their direction: as it is, or cut.
+    fn by_steps(&self, part: Part, bounds: &Bounds) -> Vec<(Part, (usize, i32))> {
+        let [px, py, pw] = self.vertical();
+        // Towards the predecessor along the image's axes.
+        let toward = |along: [f64; 2]| Line {
+            at_origin: along[0] * px + along[1] * py,
+            along: along.map(|along| -along * pw),
+        };
+        // The area where it lies more lanes aside.
+        let beyond = |step_axis: usize, aside: f64| -> f64 {
+            let wedge = |sign: f64| {
+                let sides = [-aside, aside].map(|by_step| {
+                    let mut along = [sign; 2];
+                    along[step_axis] = by_step;
+                    toward(along)
+                });
+                let half = clipped(&part.corners, |corner| sides[0].at(corner));
+                area(&clipped(&half, |corner| sides[1].at(corner)))
+            };
+            wedge(1.0) + wedge(-1.0)
+        };
+        // Rows first: columns need turning.
+        for step_axis in [1, 0] {
+            if bounds.most_aside > 1.0 && beyond(step_axis, bounds.most_aside) < part.rim() {
+                let mut along = [0.0; 2];
+                along[step_axis] = 1.0;
+                let backwards = toward(along).at(part.middle()) > 0.0;
+                return vec![(part, (step_axis, if backwards { -1 } else { 1 }))];
+            }
+        }
+        let diagonals = [toward([1.0, -1.0]), toward([1.0, 1.0])];
+        let parts = cut(vec![part], &diagonals).into_iter();
+        parts
+            .map(|part| {
+                let [.., more_x, positive] = part.signs[..] else {
+                    unreachable!("it was cut by two lines");
+                };
+                let step_axis = usize::from(more_x != positive);
+                let backwards = if step_axis == 0 { more_x } else { positive };
+                (part, (step_axis, if backwards { -1 } else { 1 }))
+            })
+            .collect()
+    }
+
     /// A part whose rays run one way along both of the ground's axes, with its major axis: as it is, or
     /// cut into two.
-    fn by_major(&self, part: Part, bounds: &Bounds) -> Vec<(Part, usize)> {
-        let signs = [part.signs[2], part.signs[3]].map(|up| if up { 1.0 } else { -1.0 });
+    fn by_major(&self, part: Part, signs: [i32; 2], bounds: &Bounds) -> Vec<(Part, usize)> {
+        let signs = signs.map(f64::from);
         // The area whose rays advance more.
         let beyond = |major: usize, advance: f64| {
             let mut by_axis = signs;
@@ -435,12 +471,8 @@ impl ImageRays {
             area(&clipped(&part.corners, |corner| line.at(corner)))
         };
         let major = usize::from(beyond(1, 1.0) < beyond(0, 1.0));
-        // Corners lie up to a pixel outside.
-        let [width, height] = [0, 1]
-            .map(|axis| part.range(axis))
-            .map(|[from, to]| to - from);
         if bounds.most_advance > 1.0
-            && beyond(major, bounds.most_advance) < width + height
+            && beyond(major, bounds.most_advance) < part.rim()
             && !bounds.is_beside(1 - major, signs[1 - major])
         {
             return vec![(part, major)];
@@ -449,8 +481,10 @@ impl ImageRays {
         let parts = cut(vec![part], &diagonals).into_iter();
         parts
             .map(|part| {
-                let major = usize::from(part.signs[4] != part.signs[5]);
-                (part, major)
+                let [.., east, both] = part.signs[..] else {
+                    unreachable!("it was cut by two lines");
+                };
+                (part, usize::from(east != both))
             })
             .collect()
     }
@@ -502,6 +536,17 @@ mod tests {
         ImageRays::new(first, right, below, per_metre, view.size)
     }
 
+    fn bounds(width: u32, size: f64, most: f64) -> Bounds {
+        Bounds {
+            width,
+            size,
+            most_advance: most,
+            most_aside: most,
+            eye: [3.0, 4.0],
+            cells: [8; 2],
+        }
+    }
+
     fn views() -> Vec<View> {
         let mut views = Vec::new();
         // Odd sizes have a pixel right below the eye, and lines through pixels' centres.
@@ -528,11 +573,16 @@ mod tests {
 
     #[test]
     fn each_pixel_is_in_one_sector() {
-        for (per_metre, width) in [(DVec3::ONE, 512), (DVec3::new(0.5, 1.0, 1.0), 7)] {
+        let stretched = DVec3::new(0.5, 1.0, 1.0);
+        for (per_metre, width, most) in [
+            (DVec3::ONE, 512, 1.0),
+            (stretched, 7, 1.0),
+            (stretched, 512, 2.0),
+        ] {
             for view in views() {
                 let [w, h] = view.size;
                 let mut owners = vec![0; (w * h) as usize];
-                for sector in rays(&view, per_metre).sectors(width, 200.0, most_advance) {
+                for sector in rays(&view, per_metre).sectors(&bounds(width, 200.0, most)) {
                     for k in 0..sector.steps {
                         let [from, to] = sector.lanes(k);
                         for lane in from..to {
@@ -551,7 +601,7 @@ mod tests {
     fn large_sectors_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
-            let sectors = rays(&view, DVec3::ONE).sectors(150, 1e4, 1.0);
+            let sectors = rays(&view, DVec3::ONE).sectors(&bounds(150, 1e4, 1.0));
             let pixels = |sector: &Sector| -> i32 {
                 let lanes = (0..sector.steps).map(|k| sector.lanes(k));
                 lanes.map(|[from, to]| to - from).sum()
@@ -567,23 +617,66 @@ mod tests {
     }
 
     #[test]
+    fn narrow_parts_go_with_their_neighbours() {
+        let view = |yaw, pitch, roll| {
+            let camera = Camera {
+                eye: DVec3::new(3.0, 4.0, 5.0),
+                attitude: Attitude { yaw, pitch, roll },
+                horizontal_fov: 1.2,
+            };
+            camera.view([640, 360])
+        };
+        let straight_down = [0.1, 0.35, 0.6, 0.7].map(|yaw| (view(yaw, -FRAC_PI_2, 0.0), 12, 8));
+        let rolled = (view(0.3, -0.3, FRAC_PI_4), 4, 2);
+        for (view, alone, together) in straight_down.into_iter().chain([rolled]) {
+            let count = |bounds: &Bounds| rays(&view, DVec3::ONE).sectors(bounds).len();
+            let counts = [1.0, 2.5].map(|most| count(&bounds(1600, 1e9, most)));
+            assert_eq!(counts, [alone, together], "{view:?}");
+            // Not where rays come over the ground from aside.
+            let beside = Bounds {
+                eye: [-1.0, -1.0],
+                ..bounds(1600, 1e9, 2.5)
+            };
+            assert!(count(&beside) >= together);
+        }
+    }
+
+    #[test]
     fn rays_of_a_sector_run_its_way() {
-        for view in views() {
+        for (view, most) in views()
+            .into_iter()
+            .flat_map(|view| [(view, 1.0), (view, 2.0)])
+        {
+            // Large enough that a pixel's width along all borders is little.
+            let view = View {
+                size: view.size.map(|side| 6 * side),
+                ..view
+            };
             let image = rays(&view, DVec3::ONE);
-            for sector in image.sectors(512, 200.0, most_advance) {
+            let [px, py, pw] = image.vertical();
+            let mut beyond = 0;
+            for sector in image.sectors(&bounds(512, 200.0, most)) {
                 for k in 0..sector.steps {
                     let [from, to] = sector.lanes(k);
                     for lane in from..to {
                         let mut pixel = [f64::from(sector.image_step(k)); 2];
                         pixel[1 - sector.step_axis] = f64::from(lane);
                         let d = image.first + pixel[0] * image.steps[0] + pixel[1] * image.steps[1];
+                        let toward = [px - pixel[0] * pw, py - pixel[1] * pw];
+                        let back = -f64::from(sector.direction) * toward[sector.step_axis];
+                        let aside = toward[1 - sector.step_axis].abs();
                         let along = [d.x, d.y];
                         let major = along[sector.major] * f64::from(sector.signs[0]);
                         let minor = along[1 - sector.major] * f64::from(sector.signs[1]);
-                        assert!(minor >= -1e-9 && major >= minor - 1e-9, "{view:?}");
+                        assert!(minor >= -1e-9, "{view:?}");
+                        let is_near = aside <= most * back + 1e-9 && minor <= most * major + 1e-9;
+                        beyond += u32::from(!is_near);
                     }
                 }
             }
+            let [width, height] = view.size;
+            let few = if most > 1.0 { 2 * (width + height) } else { 0 };
+            assert!(beyond <= few, "{beyond} in {view:?}");
         }
     }
 }

@@ -281,7 +281,7 @@ impl<L: Lanes> March<'_, L> {
         for k in 0..LOOKS {
             let lane = from + (to - from) * (2 * k + 1) / (2 * LOOKS);
             let aside = (towards[0] + f64::from(lane) * towards[1]).round() as i32;
-            if !(from_before..to_before).contains(&(lane + aside)) {
+            if !(from_before..to_before).contains(&lane.saturating_add(aside)) {
                 continue;
             }
             if let (Some(here), Some(before)) = (cell(step, lane), cell(step - 1, lane + aside)) {

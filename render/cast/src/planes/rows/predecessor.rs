@@ -2,7 +2,7 @@
 
 use super::March;
 use super::directions::Directions;
-use super::scratch::{MARGIN, MEMORY, Scratch};
+use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use crate::lanes::Lanes;
 
 /// From which ray each of a group begins.
@@ -50,7 +50,8 @@ impl<L: Lanes> March<'_, L> {
             let lanes = (slope * steps as f64).round();
             let to = lanes * v - steps as f64 * u;
             let mut rise = f64::INFINITY;
-            let mut sound = true;
+            // Right beside the vanishing point lines may run along steps.
+            let mut sound = lanes.abs() <= FARTHEST;
             for end in ends {
                 let higher = end.z * to.x - to.z * end.x;
                 let aside = end.y * to.x - to.y * end.x;

@@ -113,3 +113,6 @@ pub(in crate::planes) const BLOCK: usize = 4 * LANES;
 
 /// Room before lane 0, so that neighbours of a step's first rays can be read.
 pub(super) const MARGIN: usize = 2 * LANES;
+
+/// How many lanes aside a ray's predecessor lies at most: so few that there is room.
+pub(super) const FARTHEST: f64 = MARGIN as f64 - LANES as f64;
