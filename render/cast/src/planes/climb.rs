@@ -149,8 +149,10 @@ pub(super) fn climb<L: Lanes>(
         );
         l.store_i(place, group_mut(&mut passage.place, at));
     }
-    for at in (0..rays).step_by(LANES) {
-        ask(l, field, passage, at);
+    if field.ahead.is_some() {
+        for at in (0..rays).step_by(LANES) {
+            ask(l, field, passage, at);
+        }
     }
     for at in (0..rays).step_by(LANES) {
         let ray = wave.ray(l, at);

@@ -167,17 +167,20 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
             }
         },
     );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            for at in groups() {
-                if departure.masks[at / LANES] != 0 {
-                    let field = &fields[departure.levels[at / LANES] as usize];
-                    ask(l, field, passage, at);
+    let asks = fields.iter().any(|field| field.ahead.is_some());
+    if asks {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in groups() {
+                    if departure.masks[at / LANES] != 0 {
+                        let field = &fields[departure.levels[at / LANES] as usize];
+                        ask(l, field, passage, at);
+                    }
                 }
-            }
-        },
-    );
+            },
+        );
+    }
     lead_through_cells::<L, KEEPS>(l, fields, departure, step, waves, passage, reached, patches);
 }
 
@@ -201,10 +204,12 @@ fn lead_to_roofs<L: Lanes>(
             l.store_i(place, group_mut(&mut passage.place, at));
         }
     }
-    for at in groups() {
-        if departure.high[at / LANES] != 0 {
-            let field = &fields[departure.levels[at / LANES] as usize];
-            climb::ask(l, field, passage, at);
+    if fields.iter().any(|field| field.ahead.is_some()) {
+        for at in groups() {
+            if departure.high[at / LANES] != 0 {
+                let field = &fields[departure.levels[at / LANES] as usize];
+                climb::ask(l, field, passage, at);
+            }
         }
     }
     for at in groups() {

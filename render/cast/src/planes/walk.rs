@@ -157,14 +157,16 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
             }
         },
     );
-    l.vectorize(
-        #[inline(always)]
-        || {
-            for at in groups() {
-                ask(l, field, passage, at);
-            }
-        },
-    );
+    if field.ahead.is_some() {
+        l.vectorize(
+            #[inline(always)]
+            || {
+                for at in groups() {
+                    ask(l, field, passage, at);
+                }
+            },
+        );
+    }
     let mut ends = Ends {
         field,
         len: [0, high.len()],

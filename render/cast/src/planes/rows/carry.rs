@@ -76,7 +76,7 @@ impl<L: Lanes> March<'_, L> {
                 asked.prefetch(l, canvas, lane);
             }
             let all = [first, behind];
-            if let Some(before) = self.nearest(step, towards, [first, behind - 1]) {
+            if let Some(before) = self.nearest::<1>(step, towards, [first, behind - 1]) {
                 let in_chunk = (first - lanes[0]) as usize;
                 self.carry_block(&aim, step, all, Some(before), in_chunk, scratch, tally);
                 continue;

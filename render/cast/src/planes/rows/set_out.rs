@@ -99,7 +99,7 @@ impl<L: Lanes> March<'_, L> {
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             if across.is_none() && in_chunk.is_multiple_of(BLOCK) {
-                shared = self.nearest(
+                shared = self.nearest::<3>(
                     step,
                     towards,
                     [first, lanes[1].min(first + BLOCK as i32) - 1],
@@ -156,13 +156,13 @@ impl<L: Lanes> March<'_, L> {
 
     /// The ray of the step before from which all from the first to the last of `ends` may begin.
     #[inline(always)]
-    pub(super) fn nearest(
+    pub(super) fn nearest<const MOST: usize>(
         &self,
         step: u32,
         towards: [f64; 2],
         ends: [i32; 2],
     ) -> Option<Predecessor> {
-        self.predecessor(step, towards, ends, self.steepest[0], 1)
+        self.predecessor(step, towards, ends, self.steepest[0], MOST)
     }
 
     /// As `nearest`, of any step that is kept.
