@@ -37,11 +37,11 @@ impl Passage {
             next,
             clear,
             clearance,
-            linear,
+            half_linear,
             discriminant,
             ..
         } = *crossing;
-        let numbers = [next, clear, clearance, linear, discriminant];
+        let numbers = [next, clear, clearance, half_linear, discriminant];
         for (to, numbers) in self.crossings.iter_mut().zip(numbers) {
             l.store(numbers, group_mut(to, at));
         }
@@ -50,13 +50,13 @@ impl Passage {
     /// How a group's rays come through their cells, as it was kept.
     #[inline(always)]
     pub(super) fn crossing<L: Lanes>(&self, l: L, at: usize, next_cell: [L::I; 2]) -> Crossing<L> {
-        let [next, clear, clearance, linear, discriminant] = &self.crossings;
+        let [next, clear, clearance, half_linear, discriminant] = &self.crossings;
         Crossing {
             next: l.load(group(next, at)),
             next_cell,
             clear: l.load(group(clear, at)),
             clearance: l.load(group(clearance, at)),
-            linear: l.load(group(linear, at)),
+            half_linear: l.load(group(half_linear, at)),
             discriminant: l.load(group(discriminant, at)),
         }
     }
@@ -323,9 +323,9 @@ pub(super) struct Crossing<L: Lanes> {
     pub(super) clearance: L::F,
     pub(super) next_cell: [L::I; 2],
     /// The clearance before it (0 where the ray is below the ground), and of the quadratic over the
-    /// way between, from 0 to 1: the linear part, and what the root is taken of.
+    /// way between, from 0 to 1: half of the linear part, and what the root is taken of.
     clear: L::F,
-    linear: L::F,
+    half_linear: L::F,
     discriminant: L::F,
 }
 
@@ -364,9 +364,9 @@ pub(super) fn cross<L: Lanes>(
     // The clearance at t.
     let major_left = l.sub(to_major, t);
     let minor_left = l.sub(to_minor, l.mul(t, ray.advance));
-    let far = l.mul(major_left, by_minor);
-    let this = l.add(by_major, l.mul(major_left, l.sub(by_none, by_major)));
-    let height = l.add(far, l.mul(minor_left, l.sub(this, far)));
+    let twist = l.sub(l.sub(by_none, by_major), by_minor);
+    let falls_minor = l.add(by_major, l.mul(twist, major_left));
+    let height = l.add(l.mul(by_minor, major_left), l.mul(minor_left, falls_minor));
     let clearance = l.sub(l.sub(l.mul(t, ray.slope), corner), height);
     // And at the end of the cell, on its far edge: back along the edge from that corner.
     let minor_t = l.mul(to_minor, ray.inverse);
@@ -380,14 +380,12 @@ pub(super) fn cross<L: Lanes>(
     let height = l.mul(l.select(crosses_major, by_major, by_minor), left);
     let next_clearance = l.sub(l.sub(l.mul(next, ray.slope), corner), height);
     // Along the cell the clearance is a quadratic; this is its bend over the segment.
-    let twist = l.sub(l.sub(by_none, by_major), by_minor);
     let length = l.sub(next, t);
     let bend = l.mul(l.mul(twist, ray.advance), l.mul(length, length));
     // Its first root, in the form that neither cancels nor divides by a bend of 0.
     let clear = l.max(clearance, zero);
-    let linear = l.add(l.sub(next_clearance, clear), bend);
-    let fourfold = l.mul(clear, l.splat(4.0));
-    let discriminant = l.add(l.mul(linear, linear), l.mul(fourfold, bend));
+    let half_linear = l.mul(l.add(l.sub(next_clearance, clear), bend), l.splat(0.5));
+    let discriminant = l.add(l.mul(half_linear, half_linear), l.mul(clear, bend));
     let one = l.splat_i(1);
     let crossing = Crossing {
         next,
@@ -397,7 +395,7 @@ pub(super) fn cross<L: Lanes>(
             l.add_i(minor, l.select_i(crosses_major, l.splat_i(0), one)),
         ],
         clear,
-        linear,
+        half_linear,
         discriminant,
     };
     let patch = Patch {
@@ -413,27 +411,23 @@ pub(super) fn cross<L: Lanes>(
 /// Where rays that are at t in a cell meet the ground in it.
 #[inline(always)]
 pub(super) fn meet<L: Lanes>(l: L, t: L::F, crossing: &Crossing<L>) -> Met<L> {
-    let (zero, one) = (l.splat(0.0), l.splat(1.0));
     let Crossing {
         next,
-        clearance,
         clear,
-        linear,
+        half_linear,
         discriminant,
         ..
     } = *crossing;
-    let root = l.sqrt(l.max(discriminant, zero));
-    let divisor = l.sub(root, linear);
-    let twice = l.add(clear, clear);
-    // Both ends in the air: a root only where the quadratic dips below 0 in between.
-    let dips = l.and(
-        l.and(l.le(zero, discriminant), l.lt(linear, zero)),
-        l.lt(twice, divisor),
+    // Where there is no root, there are no numbers; where it lies before t, the divisor is not above 0,
+    // and that place is far off instead. What is missed at the end of a cell, as it is rounded, is below
+    // the ground in the next one.
+    let divisor = l.max(
+        l.splat(f32::MIN_POSITIVE),
+        l.sub(l.sqrt(discriminant), half_linear),
     );
-    let below = l.or(l.le(clearance, zero), l.le(clear, zero));
-    let share = l.min(l.div(twice, l.max(divisor, l.splat(1e-30))), one);
+    let share = l.div(clear, divisor);
     Met {
-        hit: l.or(below, dips),
+        hit: l.le(share, l.splat(1.0)),
         hit_t: l.add(t, l.mul(share, l.sub(next, t))),
     }
 }
