@@ -23,7 +23,7 @@ pub(super) type Column<T> = [T; CAPACITY];
 
 /// Sixteen rays, all running up the major axis by a cell for each 1 of their parameter t.
 pub(super) struct Ray<L: Lanes> {
-    /// Cells along the minor axis for each 1 of t, in [0, 1]; and one over it.
+    /// Cells along the minor axis for each 1 of t, not below 0; and one over it.
     pub(super) advance: L::F,
     pub(super) inverse: L::F,
     /// Metres upwards for each 1 of t.
