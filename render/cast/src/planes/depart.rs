@@ -167,8 +167,7 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
             }
         },
     );
-    let asks = fields.iter().any(|field| field.ahead.is_some());
-    if asks {
+    if are_far(fields) {
         l.vectorize(
             #[inline(always)]
             || {
@@ -182,6 +181,11 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
         );
     }
     lead_through_cells::<L, KEEPS>(l, fields, departure, step, waves, passage, reached, patches);
+}
+
+/// Whether any resolution's memory may be far, so that it is asked for.
+fn are_far(fields: &[Field<'_>]) -> bool {
+    fields.iter().any(|field| field.ahead.is_some())
 }
 
 /// Leads rays to the roofs of their blocks; those that pass over them join waves.
@@ -204,7 +208,7 @@ fn lead_to_roofs<L: Lanes>(
             l.store_i(place, group_mut(&mut passage.place, at));
         }
     }
-    if fields.iter().any(|field| field.ahead.is_some()) {
+    if are_far(fields) {
         for at in groups() {
             if departure.high[at / LANES] != 0 {
                 let field = &fields[departure.levels[at / LANES] as usize];

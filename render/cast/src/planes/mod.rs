@@ -116,13 +116,10 @@ const DETAILED_WIDTH: u32 = 512;
 /// to do: its first step's rays have none to begin from, and take as long as those of a few other steps.
 const SIZE: f64 = 512_000.0;
 
-/// About how far rays advance along the minor axis at most, in cells for each one of the major axis: where
-/// a narrow part has rays that advance more than one, it may go with its neighbour.
-const MOST_ADVANCE: f64 = 2.0;
-
-/// How many lanes aside a ray's predecessor lies at most, about, in the step before: up to that, a part
-/// need not be cut only because its lines run more along steps.
-const MOST_ASIDE: f64 = 2.0;
+/// About how far a part's lines may run along the other axis for each one along theirs: rays over the
+/// ground, in cells, and planes over the image, in pixels. With 1 + √2 and more, a view straight down has
+/// eight parts whichever way it is turned.
+const MOST_SLANT: f64 = 2.5;
 
 /// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
 /// too few digits for a hundredth of a cell.
@@ -215,8 +212,8 @@ impl UnitCaster for PlanesScene {
         let bounds = Bounds {
             width: if is_detailed { DETAILED_WIDTH } else { WIDTH },
             size: if is_detailed { f64::INFINITY } else { SIZE },
-            most_advance: if is_detailed { 1.0 } else { MOST_ADVANCE },
-            most_aside: if is_detailed { 1.0 } else { MOST_ASIDE },
+            // A pixel's mean is taken along its plane, which must not run along lanes.
+            most_slant: if is_detailed { 1.0 } else { MOST_SLANT },
             eye: [eye.x, eye.y],
             cells: levels[0].cells,
         };

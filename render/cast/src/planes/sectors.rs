@@ -128,11 +128,10 @@ pub(super) struct Bounds {
     pub(super) width: u32,
     /// About how many pixels a sector has at most, or half as many again.
     pub(super) size: f64,
-    /// About how many cells rays advance along the minor axis at most for each one of the major axis;
-    /// at least 1.
-    pub(super) most_advance: f64,
-    /// About how many lanes aside a ray's predecessor lies at most in the step before; at least 1.
-    pub(super) most_aside: f64,
+    /// About how far rays advance along the minor axis at most for each one of the major axis, in cells;
+    /// and how many lanes aside a ray's predecessor lies in the step before. With 1, parts are cut along all
+    /// diagonals.
+    pub(super) most_slant: f64,
     /// Where the eye lies over the ground along both axes, in cells, and how many cells there are.
     pub(super) eye: [f64; 2],
     pub(super) cells: [i32; 2],
@@ -268,7 +267,7 @@ impl ImageRays {
         };
         // Rows first: columns need turning.
         for step_axis in [1, 0] {
-            if bounds.most_aside > 1.0 && beyond(step_axis, bounds.most_aside) < part.rim() {
+            if bounds.most_slant > 1.0 && beyond(step_axis, bounds.most_slant) < part.rim() {
                 let mut along = [0.0; 2];
                 along[step_axis] = 1.0;
                 let backwards = toward(along).at(part.middle()) > 0.0;
@@ -301,8 +300,8 @@ impl ImageRays {
             area(&clipped(&part.corners, |corner| line.at(corner)))
         };
         let major = usize::from(beyond(1, 1.0) < beyond(0, 1.0));
-        if bounds.most_advance > 1.0
-            && beyond(major, bounds.most_advance) < part.rim()
+        if bounds.most_slant > 1.0
+            && beyond(major, bounds.most_slant) < part.rim()
             && !bounds.is_beside(1 - major, signs[1 - major])
         {
             return vec![(part, major)];
@@ -358,6 +357,7 @@ impl ImageRays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::planes::MOST_SLANT;
     use sandtable_view::{Attitude, Camera, Screen, View};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -366,12 +366,11 @@ mod tests {
         ImageRays::new(first, right, below, per_metre, view.size)
     }
 
-    fn bounds(width: u32, size: f64, most: f64) -> Bounds {
+    fn bounds(width: u32, size: f64, most_slant: f64) -> Bounds {
         Bounds {
             width,
             size,
-            most_advance: most,
-            most_aside: most,
+            most_slant,
             eye: [3.0, 4.0],
             cells: [8; 2],
         }
@@ -407,7 +406,7 @@ mod tests {
         for (per_metre, width, most) in [
             (DVec3::ONE, 512, 1.0),
             (stretched, 7, 1.0),
-            (stretched, 512, 2.0),
+            (stretched, 512, MOST_SLANT),
         ] {
             for view in views() {
                 let [w, h] = view.size;
@@ -460,14 +459,14 @@ mod tests {
         let rolled = (view(0.3, -0.3, FRAC_PI_4), 4, 2);
         for (view, alone, together) in straight_down.into_iter().chain([rolled]) {
             let count = |bounds: &Bounds| rays(&view, DVec3::ONE).sectors(bounds).len();
-            let counts = [1.0, 2.5].map(|most| count(&bounds(1600, 1e9, most)));
+            let counts = [1.0, MOST_SLANT].map(|most| count(&bounds(1600, 1e9, most)));
             assert_eq!(counts, [alone, together], "{view:?}");
         }
         // Not where rays come over the ground from aside.
         let view = view(0.1, -FRAC_PI_2, 0.0);
         let beside = Bounds {
             eye: [-1.0, -1.0],
-            ..bounds(1600, 1e9, 2.5)
+            ..bounds(1600, 1e9, MOST_SLANT)
         };
         assert_eq!(rays(&view, DVec3::ONE).sectors(&beside).len(), 10);
     }
@@ -476,7 +475,7 @@ mod tests {
     fn rays_of_a_sector_run_its_way() {
         for (view, most) in views()
             .into_iter()
-            .flat_map(|view| [(view, 1.0), (view, 2.0)])
+            .flat_map(|view| [(view, 1.0), (view, MOST_SLANT)])
         {
             // Large enough that a pixel's width along all borders is little.
             let view = View {

@@ -154,7 +154,8 @@ impl<L: Lanes> March<'_, L> {
         l.add_i(lane_numbers, l.splat_i(at as i32))
     }
 
-    /// The ray of the step before from which all from the first to the last of `ends` may begin.
+    /// The nearest ray, no more than `MOST` steps back, from which all from the first to the last of `ends`
+    /// may begin.
     #[inline(always)]
     pub(super) fn nearest<const MOST: usize>(
         &self,
