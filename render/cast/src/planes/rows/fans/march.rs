@@ -119,9 +119,9 @@ impl<L: Lanes> March<'_, L> {
         let line = (start / field.scale + field.major.fraction) as i32;
         let mut line = line.max(field.major.cells[0]);
         let mut t = (line as f32 - field.major.fraction) * field.scale;
-        left.skip_to(l, field, line, t);
-        right.skip_to(l, field, line, t);
-        // Whether nothing was seen since the last blocks began.
+        // Whether what lies before this line has not been looked at, so that its heights are not known;
+        // and whether nothing was seen since the last blocks began.
+        let mut has_skipped = true;
         let mut is_idle = true;
         while l.bits(l.or(left.live, right.live)) != 0 {
             if t >= at.limit {
@@ -146,12 +146,18 @@ impl<L: Lanes> March<'_, L> {
                     if let Some(behind) = passed {
                         line = behind;
                         t = (line as f32 - field.major.fraction) * field.scale;
-                        left.skip_to(l, field, line, t);
-                        right.skip_to(l, field, line, t);
+                        left.stay_over_ground(l, t);
+                        right.stay_over_ground(l, t);
+                        has_skipped = true;
                         continue;
                     }
                 }
                 is_idle = true;
+            }
+            if has_skipped {
+                left.skip_to(l, field, line, t);
+                right.skip_to(l, field, line, t);
+                has_skipped = false;
             }
             line += 1;
             if line > field.major.cells[1] + 1 {

@@ -125,6 +125,12 @@ impl<L: Lanes> Sight<L> {
         let crossing = Crossing::new(l, field, &self.planes, line);
         self.height = crossing.heights(l, field, &self.planes);
         self.slope = l.mul(self.height, l.splat(1.0 / t.max(NEAREST)));
+        self.stay_over_ground(l, t);
+    }
+
+    /// Leaves planes behind that have left the ground before t.
+    #[inline(always)]
+    pub(super) fn stay_over_ground(&mut self, l: L, t: f32) {
         self.live = l.and(self.live, l.lt(l.splat(t), self.leave));
     }
 
