@@ -46,13 +46,13 @@ pub(super) const PASSED: [usize; 3] = [6, 5, 4];
 /// The smallest of them.
 const LEAST_PASSED: usize = PASSED[PASSED.len() - 1];
 
-/// How high over the eye, in metres, the ground rises at most that planes pass between the mirrored
-/// line `line` and the one that lies 2 ^ `level` cells further; `None` where blocks do not begin at
-/// that line, or the ground ends before.
+/// How high over the eye, in metres, the ground rises at most that two neighbouring groups of planes
+/// pass between the mirrored line `line` and the one that lies 2 ^ `level` cells further; `None` where
+/// blocks do not begin at that line, or the ground ends before.
 #[inline(always)]
 pub(super) fn ceiling<L: Lanes>(
     field: &Field<'_>,
-    planes: &PlaneGroup<L>,
+    groups: [&PlaneGroup<L>; 2],
     line: i32,
     level: usize,
 ) -> Option<f32> {
@@ -63,8 +63,9 @@ pub(super) fn ceiling<L: Lanes>(
         return None;
     }
     let from = line as f32 - major.fraction;
-    let [first, last] = planes.cells(field, [from, from + size as f32]);
-    let cells = [first, last].map(|cell| minor.ground_alone(cell) >> level);
+    let [one, other] = groups.map(|planes| planes.cells(field, [from, from + size as f32]));
+    let cells = [one[0].min(other[0]), one[1].max(other[1])];
+    let cells = cells.map(|cell| minor.ground_alone(cell) >> level);
     let along = major.ground_alone(line);
     let half = size as f32 * 0.5;
     let mut most = f32::MIN;
@@ -591,17 +592,17 @@ mod tests {
     fn no_ground_is_above_ceilings() {
         each_field(|field, ground, _| {
             for ([first, more], level) in GROUPS.into_iter().zip([4, 6, 4, 6]) {
-                let planes = planes(first, more);
+                let groups = [0.0, 16.0].map(|k| planes(first + more * k, more));
                 let (mut found, mut highest) = (0, 0.0_f64);
                 for line in field.major.cells[0]..=field.major.cells[1] + 1 {
-                    let Some(most) = ceiling(field, &planes, line, level) else {
+                    let Some(most) = ceiling(field, groups.each_ref(), line, level) else {
                         continue;
                     };
                     let most = f64::from(most + field.eye_height);
                     let from = line as f32 - field.major.fraction;
                     for part in 0..=50 {
                         let t = from + (part << level) as f32 / 50.0;
-                        for advance in planes.advance {
+                        for advance in groups.iter().flat_map(|planes| planes.advance) {
                             let (t, aside) = (f64::from(t), f64::from(advance * t));
                             let Some(height) = ground_height(field, ground, t, aside) else {
                                 continue;

@@ -204,10 +204,9 @@ fn passed<L: Lanes>(
         let behind = line + (1 << level);
         let end = (behind as f32 - field.major.fraction) * field.scale;
         if end <= limit
-            && let Some(ceiling_left) = ceiling(field, &left.planes, line, level)
-            && let Some(ceiling_right) = ceiling(field, &right.planes, line, level)
-            && left.hides(l, ceiling_left, [t, end])
-            && right.hides(l, ceiling_right, [t, end])
+            && let Some(ceiling) = ceiling(field, [&left.planes, &right.planes], line, level)
+            && left.hides(l, ceiling, [t, end])
+            && right.hides(l, ceiling, [t, end])
         {
             return Some(behind);
         }
