@@ -4,7 +4,7 @@ use super::detail::DetailFrame;
 use super::field::Tiles;
 use super::roofs::{Roof, Roofs};
 use super::sectors::{ImageRays, Sector};
-use super::steepness::Steepness;
+use super::steepness::{Steepness, SteepnessSeen};
 use crate::intersect::GridFrame;
 use crate::lanes::Isa;
 use glam::DVec3;
@@ -76,6 +76,8 @@ pub(super) struct Frame<'a> {
     /// The eye in cells along x and y from the south-west post, and in metres of height.
     pub(super) eye: DVec3,
     pub(super) highest: f32,
+    /// How steep the ground is around each pixel, where that is known.
+    pub(super) steepness: Option<SteepnessSeen>,
     /// Metres by which heights, rounded a few times, may be wrong.
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.

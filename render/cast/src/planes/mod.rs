@@ -30,7 +30,7 @@ use self::frame::{Frame, Level};
 use self::roofs::Roofs;
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{Bounds, ImageRays, Sector};
-use self::steepness::Steepness;
+use self::steepness::{Steepness, SteepnessSeen};
 use crate::brute::cast_row;
 use crate::canvas::Canvas;
 use crate::intersect::GridFrame;
@@ -120,6 +120,9 @@ const SIZE: f64 = 512_000.0;
 /// ground, in cells, and planes over the image, in pixels. With 1 + √2 and more, a view straight down has
 /// eight parts whichever way it is turned.
 const MOST_SLANT: f64 = 2.5;
+
+/// For how many pixels a block of ground it is worth while to find how steep that is.
+const PIXELS_A_BLOCK: usize = 256;
 
 /// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
 /// too few digits for a hundredth of a cell.
@@ -217,6 +220,13 @@ impl UnitCaster for PlanesScene {
             eye: [eye.x, eye.y],
             cells: levels[0].cells,
         };
+        let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
+        let pixels = view.size[0] as usize * view.size[1] as usize;
+        let is_worth_while = !is_detailed
+            && pixels >= PIXELS_A_BLOCK * self.steepness.blocks()
+            && rays.are_slanted();
+        let steepness =
+            is_worth_while.then(|| SteepnessSeen::new(&self.steepness, &rays, eye, rounding));
         Ok(Frame {
             isa: self.isa,
             levels,
@@ -227,7 +237,8 @@ impl UnitCaster for PlanesScene {
             rays,
             eye,
             highest: ground.range()[1],
-            rounding: 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32),
+            rounding,
+            steepness,
             alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
             ground_rise: 0.5 * grid.cell_length() as f32,
         })

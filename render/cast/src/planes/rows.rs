@@ -103,6 +103,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         }
         let lanes = lanes_ahead[step as usize % AHEAD];
         scratch.lanes[step as usize % MEMORY] = lanes;
+        march.look_around(step, &mut scratch.steepest);
         let carries = can_carry && carrying.begin(&march, step, scratch);
         scratch.patches.set_step(step);
         let mut left = Share::default();

@@ -197,6 +197,21 @@ impl ImageRays {
         point.map(|x| sign * x)
     }
 
+    /// Whether planes run slantwise over the image somewhere, so that what lies before a pixel lies aside
+    /// of its neighbours.
+    pub(super) fn are_slanted(&self) -> bool {
+        /// Pixels aside for each one along.
+        const LITTLE: f64 = 0.15;
+        let [px, py, pw] = self.vertical();
+        let [w, h] = self.size.map(f64::from);
+        [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]]
+            .iter()
+            .any(|[x, y]| {
+                let [x, y] = [px - x * pw, py - y * pw].map(f64::abs);
+                x.min(y) > LITTLE * x.max(y)
+            })
+    }
+
     /// The image's sectors. The largest come first: threads that take them in turn are done at about the
     /// same time.
     pub(super) fn sectors(&self, bounds: &Bounds) -> Vec<Sector> {

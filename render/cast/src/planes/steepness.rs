@@ -1,60 +1,141 @@
-//! How steep the ground is.
+//! How steep the ground is, block by block.
+
+mod seen;
+
+#[cfg(test)]
+pub(super) use seen::AROUND;
+pub(super) use seen::{SQUARE, SteepnessSeen};
 
 use rayon::prelude::*;
-use sandtable_terrain::{TileIndex, TiledRaster};
+use sandtable_terrain::{TILE_CELLS, TileIndex, TiledRaster};
 
-/// How steep the ground is at most, along a row of posts, eastwards, and along a column, northwards:
-/// metres a cell.
+/// Blocks along the ground's longer side, at most, as long as they are no larger than tiles.
+const MOST_ALONG: u32 = 32;
+
+/// Cells along the smallest blocks' sides.
+const LEAST_SIDE: u32 = 8;
+
+/// A block of cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Block {
+    /// How steep it is at most along a row of posts, eastwards, and along a column, northwards: metres
+    /// a cell.
+    steepest: [f32; 2],
+    /// Its lowest and its highest post.
+    heights: [f32; 2],
+}
+
+impl Block {
+    /// Without any ground.
+    const EMPTY: Self = Self {
+        steepest: [0.0; 2],
+        heights: [f32::INFINITY, f32::NEG_INFINITY],
+    };
+}
+
+/// How steep the ground is at most, in blocks of cells that divide its tiles.
 #[derive(Clone)]
 pub(super) struct Steepness {
-    /// Of each tile, in the order of the ground's tiles.
-    tiles: Vec<[f32; 2]>,
+    /// Cells along a block's side.
+    side: u32,
+    /// Blocks from west to east.
+    across: usize,
+    /// Row by row from the south.
+    blocks: Vec<Block>,
 }
 
 impl Steepness {
     /// Of all tiles of `heights`, in parallel.
     pub(super) fn new(heights: &TiledRaster<f32>) -> Self {
+        let cells = [heights.cols() - 1, heights.rows() - 1];
+        let side = cells[0].max(cells[1]).div_ceil(MOST_ALONG);
+        let side = side.next_power_of_two().clamp(LEAST_SIDE, TILE_CELLS);
+        let [across, along] = cells.map(|cells| cells.div_ceil(side) as usize);
+        let mut steepness = Self {
+            side,
+            across,
+            blocks: vec![Block::EMPTY; across * along],
+        };
         let indices: Vec<_> = heights.tile_indices().collect();
-        Self {
-            tiles: indices
-                .into_par_iter()
-                .map(|index| Self::of_tile(heights, index))
-                .collect(),
-        }
+        steepness.look_at(heights, &indices);
+        steepness
     }
 
     /// With the `changed` tiles looked at anew.
     pub(super) fn updated(&self, heights: &TiledRaster<f32>, changed: &[TileIndex]) -> Self {
         let mut result = self.clone();
-        let across = heights.tiles_across();
-        for &index in changed {
-            let slot = (index.row * across + index.col) as usize;
-            if let Some(tile) = result.tiles.get_mut(slot) {
-                *tile = Self::of_tile(heights, index);
-            }
-        }
+        result.look_at(heights, changed);
         result
     }
 
-    /// Anywhere.
-    pub(super) fn steepest(&self) -> [f32; 2] {
-        let greater = |a: [f32; 2], b: &[f32; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-        self.tiles.iter().fold([0.0; 2], greater)
+    /// How many blocks there are.
+    pub(super) fn blocks(&self) -> usize {
+        self.blocks.len()
     }
 
-    fn of_tile(heights: &TiledRaster<f32>, index: TileIndex) -> [f32; 2] {
-        let stride = heights.tile_stride();
-        let posts = heights.tile_posts(index);
-        let mut steepest = [0.0_f32; 2];
-        for row in posts.chunks_exact(stride) {
-            for pair in row.windows(2) {
-                steepest[0] = steepest[0].max((pair[1] - pair[0]).abs());
+    /// Anywhere, along x and along y.
+    pub(super) fn steepest(&self) -> [f32; 2] {
+        let steepest = self.blocks.iter().map(|block| block.steepest);
+        steepest.fold([0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
+    }
+
+    fn look_at(&mut self, heights: &TiledRaster<f32>, tiles: &[TileIndex]) {
+        let side = self.side as usize;
+        let in_tile = (TILE_CELLS / self.side) as usize;
+        let rows_of_blocks: Vec<_> = tiles
+            .par_iter()
+            .map(|&tile| rows_of_blocks(heights, tile, side))
+            .collect();
+        for (tile, rows) in tiles.iter().zip(rows_of_blocks) {
+            let first = tile.row as usize * in_tile * self.across + tile.col as usize * in_tile;
+            for (row, blocks) in rows.iter().enumerate() {
+                let first = first + row * self.across;
+                self.blocks[first..first + blocks.len()].copy_from_slice(blocks);
             }
         }
-        for (south, north) in posts.iter().zip(&posts[stride..]) {
-            steepest[1] = steepest[1].max((north - south).abs());
+    }
+}
+
+/// The blocks of a tile, row by row.
+fn rows_of_blocks(heights: &TiledRaster<f32>, tile: TileIndex, side: usize) -> Vec<Vec<Block>> {
+    let stride = heights.tile_stride();
+    let posts: Vec<_> = heights.tile_posts(tile).chunks_exact(stride).collect();
+    let cells = (heights.cols() - 1 - tile.col * TILE_CELLS).min(TILE_CELLS) as usize;
+    let row_of_blocks = |first: usize| {
+        // A block has the posts on all of its sides.
+        let posts = &posts[first..posts.len().min(first + side + 1)];
+        let mut blocks = vec![Block::EMPTY; cells.div_ceil(side)];
+        for (number, &row) in posts.iter().enumerate() {
+            let north = posts.get(number + 1).copied().unwrap_or(row);
+            for (k, block) in blocks.iter_mut().enumerate() {
+                let range = k * side..cells.min((k + 1) * side) + 1;
+                block.add(&row[range.clone()], &north[range]);
+            }
         }
-        steepest
+        blocks
+    };
+    (0..posts.len() - 1)
+        .step_by(side)
+        .map(row_of_blocks)
+        .collect()
+}
+
+impl Block {
+    /// Takes in a row of posts, and how much those to the north of them are higher.
+    fn add(&mut self, row: &[f32], north: &[f32]) {
+        let [mut east, mut up] = self.steepest;
+        let [mut low, mut high] = self.heights;
+        for (&post, &next) in row.iter().zip(&row[1..]) {
+            east = east.max((next - post).abs());
+        }
+        for (&post, &north) in row.iter().zip(north) {
+            up = up.max((north - post).abs());
+            (low, high) = (low.min(post), high.max(post));
+        }
+        *self = Self {
+            steepest: [east, up],
+            heights: [low, high],
+        };
     }
 }
 

@@ -76,14 +76,20 @@ impl<L: Lanes> March<'_, L> {
                 asked.prefetch(l, canvas, lane);
             }
             let all = [first, behind];
-            if let Some(before) = self.nearest::<1>(step, towards, [first, behind - 1]) {
+            if let Some(before) = self.nearest::<1>(
+                step,
+                towards,
+                [first, behind - 1],
+                scratch.steepest_around(first),
+            ) {
                 let in_chunk = (first - lanes[0]) as usize;
                 self.carry_block(&aim, step, all, Some(before), in_chunk, scratch, tally);
                 continue;
             }
             for first in (first..behind).step_by(LANES) {
                 let behind = behind.min(first + LANES as i32);
-                let before = self.any_before(step, towards, [first, behind - 1]);
+                let steepest = scratch.steepest_around(first);
+                let before = self.any_before(step, towards, [first, behind - 1], steepest);
                 let in_chunk = (first - lanes[0]) as usize;
                 self.carry_block(
                     &aim,

@@ -4,6 +4,12 @@ use super::March;
 use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use crate::lanes::Lanes;
+use crate::planes::steepness::SQUARE;
+use glam::DVec3;
+
+/// Cells along the minor axis for each one along the major axis, up to which ground that comes between a
+/// ray and the one that it begins from is seen beside both.
+const MOST_ADVANCE: f64 = 6.0;
 
 /// From which ray each of a group begins.
 #[derive(Clone, Copy)]
@@ -72,6 +78,59 @@ impl<L: Lanes> March<'_, L> {
         None
     }
 
+    /// Whether, up to a square's side of steps behind a step, neither the rays of a lane and of those of its
+    /// square and the next two, nor those from which they begin advance more than [`MOST_ADVANCE`] along the
+    /// minor axis for each one along the major axis.
+    fn advances_around(&self, step: u32) -> impl Fn(i32) -> bool {
+        let side = f64::from(1 << SQUARE);
+        let halves = [
+            0.5 * (side + MEMORY as f64),
+            0.5 * (3.0 * side) + MARGIN as f64,
+        ];
+        let step = f64::from(step) - MEMORY as f64 + halves[0];
+        let middle = self.directions.at_place(0, 0.0) + step * self.directions.step;
+        // Both are affine over the image.
+        let sides = [1.0, -1.0].map(|sign| {
+            let room = |d: DVec3| MOST_ADVANCE * d.x + sign * d.y;
+            let by_lane = room(self.directions.lane);
+            let least = room(middle)
+                - halves[0] * room(self.directions.step).abs()
+                - halves[1] * by_lane.abs();
+            move |lane: f64| least + lane * by_lane
+        });
+        move |lane| {
+            let middle = f64::from(lane) + 1.5 * side;
+            sides.iter().all(|side| side(middle) >= 0.0)
+        }
+    }
+
+    /// Takes note of how steep the ground is at most around a step's lanes, where that changes.
+    #[inline(never)]
+    pub(super) fn look_around(&self, step: u32, steepest: &mut Vec<f64>) {
+        let line = self.sector.image_step(step);
+        let Some(seen) = &self.frame.steepness else {
+            if step == 0 {
+                let lanes = self.frame.rays.size[1 - self.sector.step_axis];
+                steepest.clear();
+                steepest.resize((lanes as usize >> SQUARE) + 1, self.steepest[0]);
+            }
+            return;
+        };
+        let before = line.wrapping_add_signed(-self.sector.direction);
+        if step == 0 || line >> SQUARE != before >> SQUARE {
+            let seen = seen.along(1 - self.sector.major, self.sector.step_axis, line);
+            let advances = self.advances_around(step);
+            steepest.clear();
+            steepest.extend((0..).zip(seen).map(|(square, steepest)| {
+                if advances(square << SQUARE) {
+                    f64::from(steepest)
+                } else {
+                    self.steepest[0]
+                }
+            }));
+        }
+    }
+
     /// How steep the ground is at most where the last step's rays came to, in the resolution that
     /// suits rays there.
     ///
@@ -100,5 +159,106 @@ impl<L: Lanes> March<'_, L> {
         let coarsest = self.steepest.len() - 1;
         let level = (covered.to_bits() >> 23) as usize - 127;
         self.steepest[level.min(coarsest)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::lanes::{Isa, LANES, Portable};
+    use crate::planes::PlanesScene;
+    use crate::planes::steepness::AROUND;
+    use crate::units::UnitCaster;
+    use glam::{DMat3, DVec2};
+    use sandtable_terrain::Ground;
+    use sandtable_view::{Attitude, Camera, Screen, View};
+
+    /// Looking about, rolled, straight down and up; and at tables, by eyes beside them and close over them.
+    fn views() -> Vec<View> {
+        let mut views = Vec::new();
+        let size = [640, 360];
+        for (k, yaw) in [0.0, 0.4, 0.785, 1.3, 2.9, 4.1].into_iter().enumerate() {
+            for pitch in [-1.57, -1.2, -0.8, -0.5, -0.1, 0.4, 1.2] {
+                for roll in [0.0, 0.3, 0.785, 1.57, 2.5] {
+                    let attitude = Attitude { yaw, pitch, roll };
+                    let camera = Camera {
+                        eye: DVec3::new(90.0 + 3.0 * k as f64, 110.0, 60.0),
+                        attitude,
+                        horizontal_fov: [0.7, 1.3, 2.2][k % 3],
+                    };
+                    views.push(camera.view(size));
+                }
+            }
+        }
+        for [x, y, z] in [
+            [100.0, -30.0, 80.0],
+            [10.0, 10.0, 40.0],
+            [150.0, 90.0, 25.0],
+            [300.0, 120.0, 30.0],
+            [-80.0, -60.0, 22.0],
+        ] {
+            let corner = |x: f64, y: f64| DVec3::new(x, y, 20.0);
+            views.push(View {
+                eye: DVec3::new(x, y, z),
+                window: Screen {
+                    lower_left: corner(-10.0, 5.0),
+                    lower_right: corner(190.0, 25.0),
+                    upper_left: corner(-25.0, 155.0),
+                },
+                size,
+            });
+        }
+        views
+    }
+
+    /// Ground that comes between a ray and the one that it begins from lies in the rectangle between both;
+    /// what is known of how steep it is around the ray has to hold there.
+    #[test]
+    fn what_may_come_between_is_seen_around_a_ray() {
+        let height = |col: u32, row: u32| 20.0 * (0.05 * f64::from(col + 2 * row)).sin() as f32;
+        let ground = Ground::from_fn(200, 200, DVec2::ONE, height).expect("a sound grid");
+        let scene = PlanesScene::new(Isa::best(), None, Scene::new(ground));
+        let (mut looked, mut farthest) = (0, 0.0_f64);
+        for view in views() {
+            let frame = scene.frame(&view).expect("a proper view");
+            for sector in &frame.sectors {
+                let march = March::new(Portable, &frame, sector, 0);
+                let directions = &march.directions;
+                let place = DMat3::from_cols(directions.step, directions.lane, directions.at(0, 0));
+                let place = place.inverse();
+                for step in (1..sector.steps).step_by(3) {
+                    let [from, to] = sector.lanes(step);
+                    for first in (from..to).step_by(LANES) {
+                        let last = (to - 1).min(first + LANES as i32 - 1);
+                        let towards = march.towards(step);
+                        if !march.advances_around(step)(first) {
+                            // The steepest ground anywhere counts.
+                            continue;
+                        }
+                        let before = march.any_before(step, towards, [first, last], 0.0);
+                        let Some(before) = before else {
+                            continue;
+                        };
+                        for lane in [first, last] {
+                            let ray = directions.at(step, lane);
+                            let a = directions.at(step - before.steps as u32, lane + before.lanes);
+                            let (ray, a) = (ray / ray.x, a / a.x);
+                            for corner in [[a.y, ray.z], [ray.y, a.z]] {
+                                let at = place * DVec3::new(1.0, corner[0], corner[1]);
+                                let off = DVec2::new(at.x, at.y) / at.z
+                                    - DVec2::new(f64::from(step), f64::from(lane));
+                                assert!(at.z > 0.0, "{view:?}");
+                                let off = off.abs().max_element();
+                                assert!(off < 0.5 * AROUND, "{off} pixels in {view:?}");
+                                farthest = farthest.max(off);
+                                looked += 1;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(looked > 100_000 && farthest > 4.0, "{looked}, {farthest}");
     }
 }

@@ -10,6 +10,7 @@ use crate::planes::patches::Patches;
 use crate::planes::pixels::PixelBlock;
 use crate::planes::sectors::Sector;
 use crate::planes::shade::Shading;
+use crate::planes::steepness::SQUARE;
 use crate::planes::walk::Passage;
 use crate::planes::wave::{CHUNK, Waves};
 use sandtable_terrain::use_huge_pages;
@@ -24,6 +25,9 @@ pub(in crate::planes) struct Scratch {
     /// the ground or, while it is on its way, to where it is clear.
     pub(super) reached: Vec<f32>,
     pub(super) lanes: [[i32; 2]; MEMORY],
+    /// How steep the ground is at most around a step's lanes: a number for each [`SQUARE`] of them, which
+    /// holds for those of the next two squares, too.
+    pub(super) steepest: Vec<f64>,
     /// The rays of these steps, for their colours.
     pub(super) advance: Vec<f32>,
     pub(super) slope: Vec<f32>,
@@ -70,6 +74,19 @@ impl Scratch {
     pub(super) fn led(&mut self, step: u32, lanes: i32) -> &mut [i32; 2] {
         let chunks = self.led.len() / MEMORY;
         &mut self.led[step as usize % MEMORY * chunks + lanes as usize / CHUNK]
+    }
+
+    /// How steep the ground is at most around a lane and the [`BLOCK`] behind it.
+    #[inline(always)]
+    pub(super) fn steepest_around(&self, lane: i32) -> f64 {
+        self.steepest[lane as usize >> SQUARE]
+    }
+
+    /// How steep it is around lanes from the first to the last of `ends`.
+    pub(super) fn steepest_along(&self, ends: [i32; 2]) -> f64 {
+        let [first, last] = ends.map(|lane| lane as usize >> SQUARE);
+        let steepest = self.steepest[first..=last].iter().copied();
+        steepest.fold(0.0, f64::max)
     }
 
     /// Makes ready for a sector; gives the numbers a step.

@@ -103,6 +103,7 @@ impl<L: Lanes> March<'_, L> {
                     step,
                     towards,
                     [first, lanes[1].min(first + BLOCK as i32) - 1],
+                    scratch.steepest_around(first),
                 );
             }
             let before = shared.or_else(
@@ -114,7 +115,10 @@ impl<L: Lanes> March<'_, L> {
                             let steepest = self.steepest_near(scratch, step, ends, across);
                             self.predecessor(step, towards, ends, steepest, MEMORY - 1)
                         }
-                        None => self.any_before(step, towards, ends),
+                        None => {
+                            let steepest = scratch.steepest_around(first);
+                            self.any_before(step, towards, ends, steepest)
+                        }
                     }
                 },
             );
@@ -162,8 +166,9 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         towards: [f64; 2],
         ends: [i32; 2],
+        steepest: f64,
     ) -> Option<Predecessor> {
-        self.predecessor(step, towards, ends, self.steepest[0], MOST)
+        self.predecessor(step, towards, ends, steepest, MOST)
     }
 
     /// As `nearest`, of any step that is kept.
@@ -173,8 +178,9 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         towards: [f64; 2],
         ends: [i32; 2],
+        steepest: f64,
     ) -> Option<Predecessor> {
-        self.predecessor(step, towards, ends, self.steepest[0], MEMORY - 1)
+        self.predecessor(step, towards, ends, steepest, MEMORY - 1)
     }
 
     /// Where rays of `all` are over the ground.

@@ -197,6 +197,7 @@ impl<L: Lanes> March<'_, L> {
         let [[_, major_end], [minor_begin, minor_end]] =
             self.bounds.map(|ends| ends.map(f64::from));
         let extent = minor_end - minor_begin.max(0.0);
+        let steepest = scratch.steepest_along(ends);
         (nearest..(MEMORY as u32).min(step + 1)).find_map(|steps| {
             let back = f64::from(steps);
             let aside = ends.map(|lane| back * (towards[0] + f64::from(lane) * towards[1]));
@@ -213,7 +214,7 @@ impl<L: Lanes> March<'_, L> {
                     let nearer = before.x - v.x.abs();
                     d.x > 0.0
                         && nearer > 0.0
-                        && higher >= 1.001 * self.steepest[0] * aside.abs()
+                        && higher >= 1.001 * steepest * aside.abs()
                         && apart * major_end < extent * before.x * nearer
                 })
             });

@@ -6,6 +6,7 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Portable};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
+use crate::planes::steepness::SQUARE;
 use crate::tally::Tally;
 
 /// Casts a sector and adds to each pixel's number in `looks` over how many cells and blocks its ray
@@ -68,14 +69,20 @@ pub(in crate::planes) fn begins<'a>(
     sector: &'a Sector,
 ) -> impl Iterator<Item = u32> {
     let march = March::new(Portable, frame, sector, 0);
+    let mut steepest = Vec::new();
     (0..sector.steps).flat_map(move |step| {
         let [from, to] = sector.lanes(step);
         let towards = march.towards(step);
+        march.look_around(step, &mut steepest);
         let mut steps = Vec::with_capacity((to - from) as usize);
         for first in (from..to).step_by(LANES) {
             let last = (to - 1).min(first + LANES as i32 - 1);
-            let before =
-                march.predecessor(step, towards, [first, last], march.steepest[0], MEMORY - 1);
+            let before = march.any_before(
+                step,
+                towards,
+                [first, last],
+                steepest[first as usize >> SQUARE],
+            );
             steps.extend((first..=last).map(|lane| {
                 let Some(before) = before else {
                     return 0;
