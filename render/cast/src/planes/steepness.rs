@@ -152,10 +152,7 @@ mod tests {
         let edited = before.edited(250..258, 100..103, |_, _, height| height + 35.0);
         let (after, changed) = edited.expect("finite");
         let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
-        assert_eq!(
-            steepness.steepest(),
-            Steepness::new(after.heights()).steepest()
-        );
+        assert_eq!(steepness.blocks, Steepness::new(after.heights()).blocks);
         assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
     }
 }

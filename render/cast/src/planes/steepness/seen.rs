@@ -172,3 +172,131 @@ impl Projection {
         Some(squares)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+    use sandtable_terrain::Ground;
+    use sandtable_view::{Attitude, Camera, Screen, View};
+
+    /// Gentle ground with two cliffs, between which it is even.
+    fn ground() -> Ground {
+        let height = |col: u32, row: u32| {
+            let gentle = 4.0 * (0.07 * f64::from(col + row)).sin();
+            let cliff = |near: bool| if near { 30.0 } else { 0.0 };
+            let tower = cliff(col.abs_diff(50) < 3 && row.abs_diff(210) < 4);
+            (gentle + tower + cliff(col > 230 && row > 90)) as f32
+        };
+        Ground::from_fn(300, 270, DVec2::new(1.0, 2.0), height).expect("a sound grid")
+    }
+
+    fn views() -> Vec<View> {
+        let size = [400, 330];
+        let looking = |eye: [f64; 3], [yaw, pitch, roll]: [f64; 3]| {
+            Camera {
+                eye: DVec3::from(eye),
+                attitude: Attitude { yaw, pitch, roll },
+                horizontal_fov: 1.2,
+            }
+            .view(size)
+        };
+        let table = View {
+            eye: DVec3::new(140.0, -60.0, 150.0),
+            window: Screen {
+                lower_left: DVec3::new(-10.0, -10.0, 12.0),
+                lower_right: DVec3::new(310.0, -10.0, 12.0),
+                upper_left: DVec3::new(-10.0, 560.0, 12.0),
+            },
+            size,
+        };
+        vec![
+            looking([150.0, 250.0, 200.0], [0.3, -1.5, 0.2]),
+            looking([150.0, 250.0, 50.0], [2.3, -0.6, 0.8]),
+            looking([150.0, 20.0, 8.0], [0.0, -0.1, 0.0]),
+            // On a cliff's edge.
+            looking([231.2, 300.0, 40.0], [0.0, -0.3, 0.1]),
+            looking([-90.0, 800.0, 90.0], [2.6, -0.2, 1.5]),
+            table,
+        ]
+    }
+
+    #[test]
+    fn what_is_steep_is_seen_around_its_pixels() {
+        let ground = ground();
+        let heights = ground.heights();
+        let steepness = Steepness::new(heights);
+        let per_metre = DVec3::new(1.0, 0.5, 1.0);
+        for view in views() {
+            let rays = ImageRays::new(
+                view.ray(0, 0),
+                view.ray(1, 0),
+                view.ray(0, 1),
+                per_metre,
+                view.size,
+            );
+            let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
+            let mut looked = 0;
+            for (col, row) in (0..269).flat_map(|row| (0..299).map(move |col| (col, row))) {
+                let [sw, se, nw, ne] = heights.cell(col, row);
+                let steep = [
+                    (se - sw).abs().max((ne - nw).abs()),
+                    (nw - sw).abs().max((ne - se).abs()),
+                ];
+                for height in [sw, ne, 0.5 * (nw + se)] {
+                    let place = DVec3::new(
+                        f64::from(col) + 0.5,
+                        2.0 * f64::from(row) + 1.0,
+                        height.into(),
+                    );
+                    let Some(pixel) = view.pixel_of(place) else {
+                        continue;
+                    };
+                    let beside = [-23.0, 0.0, 23.0].map(|x| [-23.0, 0.0, 23.0].map(|y| [x, y]));
+                    for [x, y] in beside.into_iter().flatten() {
+                        let [x, y] = [pixel.x + x, pixel.y + y].map(f64::floor);
+                        let inside = x >= 0.0 && y >= 0.0 && x < 400.0 && y < 330.0;
+                        if !inside {
+                            continue;
+                        }
+                        for (image_axis, [line, at]) in [[x, y], [y, x]].into_iter().enumerate() {
+                            let square = at as usize >> SQUARE;
+                            for axis in 0..2 {
+                                let around = seen.along(axis, image_axis, line as u32);
+                                let around: Vec<_> = around.take(square + 1).collect();
+                                for &around in &around[square.saturating_sub(2)..] {
+                                    assert!(
+                                        around >= steep[axis],
+                                        "{around} at {col}, {row} in {view:?}"
+                                    );
+                                }
+                                looked += 1;
+                            }
+                        }
+                    }
+                }
+            }
+            assert!(looked > 10_000, "{looked} in {view:?}");
+        }
+    }
+
+    /// Far from cliffs the ground is not taken to be as steep as they are.
+    #[test]
+    fn cliffs_are_steep_where_they_are() {
+        let steepness = Steepness::new(ground().heights());
+        let view = views()[0];
+        let per_metre = DVec3::new(1.0, 0.5, 1.0);
+        let [first, right, below] = [[0, 0], [1, 0], [0, 1]].map(|[i, j]| view.ray(i, j));
+        let rays = ImageRays::new(first, right, below, per_metre, view.size);
+        let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
+        let steepest = steepness.steepest();
+        for axis in 0..2 {
+            let squares = &seen.squares[axis][1];
+            let gentle = squares
+                .iter()
+                .filter(|&&steep| steep < 0.5 * steepest[axis]);
+            let (gentle, all) = (gentle.count(), squares.len());
+            assert!(gentle > all / 4 && gentle < all, "{gentle} of {all}");
+        }
+    }
+}
