@@ -261,12 +261,12 @@ mod tests {
                         }
                         for (image_axis, [line, at]) in [[x, y], [y, x]].into_iter().enumerate() {
                             let square = at as usize >> SQUARE;
-                            for axis in 0..2 {
+                            for (axis, &steep) in steep.iter().enumerate() {
                                 let around = seen.along(axis, image_axis, line as u32);
                                 let around: Vec<_> = around.take(square + 1).collect();
                                 for &around in &around[square.saturating_sub(2)..] {
                                     assert!(
-                                        around >= steep[axis],
+                                        around >= steep,
                                         "{around} at {col}, {row} in {view:?}"
                                     );
                                 }
@@ -290,11 +290,9 @@ mod tests {
         let rays = ImageRays::new(first, right, below, per_metre, view.size);
         let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
         let steepest = steepness.steepest();
-        for axis in 0..2 {
+        for (axis, steepest) in steepest.into_iter().enumerate() {
             let squares = &seen.squares[axis][1];
-            let gentle = squares
-                .iter()
-                .filter(|&&steep| steep < 0.5 * steepest[axis]);
+            let gentle = squares.iter().filter(|&&steep| steep < 0.5 * steepest);
             let (gentle, all) = (gentle.count(), squares.len());
             assert!(gentle > all / 4 && gentle < all, "{gentle} of {all}");
         }
