@@ -198,13 +198,7 @@ impl UnitCaster for PlanesScene {
         let grid = ground.grid();
         let [low, high] = ground.range();
         let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
-        let rays = ImageRays::new(
-            view.ray(0, 0),
-            view.ray(1, 0),
-            view.ray(0, 1),
-            per_metre,
-            view.size,
-        );
+        let rays = ImageRays::new(view, per_metre);
         let finest = Level::new(ground.heights(), &self.roofs, &self.steepness);
         let levels = match &self.detail {
             Some(detail) => detail.levels(finest),

@@ -5,7 +5,7 @@ mod part;
 
 use self::part::{Line, Part, Side, area, clipped, cut};
 use glam::DVec3;
-use sandtable_view::Ray;
+use sandtable_view::View;
 
 /// A float to which those below 2^31 are added to be rounded to whole numbers.
 const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
@@ -157,19 +157,14 @@ pub(super) struct ImageRays {
 }
 
 impl ImageRays {
-    /// From the rays of two neighbours of the first pixel, with a cell's sides as units.
-    pub(super) fn new(
-        first: Ray,
-        right: Ray,
-        below: Ray,
-        per_metre: DVec3,
-        size: [u32; 2],
-    ) -> Self {
+    /// Those of a view, with a cell's sides as units.
+    pub(super) fn new(view: &View, per_metre: DVec3) -> Self {
+        let [first, right, below] = [[0, 0], [1, 0], [0, 1]].map(|[i, j]| view.ray(i, j));
         let first_direction = first.direction * per_metre;
         Self {
             first: first_direction,
             steps: [right, below].map(|ray| (ray.direction - first.direction) * per_metre),
-            size,
+            size: view.size,
         }
     }
 
@@ -373,13 +368,8 @@ impl ImageRays {
 mod tests {
     use super::*;
     use crate::planes::MOST_SLANT;
-    use sandtable_view::{Attitude, Camera, Screen, View};
+    use sandtable_view::{Attitude, Camera, Screen};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
-    fn rays(view: &View, per_metre: DVec3) -> ImageRays {
-        let [first, right, below] = [[0, 0], [1, 0], [0, 1]].map(|[i, j]| view.ray(i, j));
-        ImageRays::new(first, right, below, per_metre, view.size)
-    }
 
     fn bounds(width: u32, size: f64, most_slant: f64) -> Bounds {
         Bounds {
@@ -426,7 +416,8 @@ mod tests {
             for view in views() {
                 let [w, h] = view.size;
                 let mut owners = vec![0; (w * h) as usize];
-                for sector in rays(&view, per_metre).sectors(&bounds(width, 200.0, most)) {
+                for sector in ImageRays::new(&view, per_metre).sectors(&bounds(width, 200.0, most))
+                {
                     for k in 0..sector.steps {
                         let [from, to] = sector.lanes(k);
                         for lane in from..to {
@@ -445,7 +436,7 @@ mod tests {
     fn large_sectors_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
-            let sectors = rays(&view, DVec3::ONE).sectors(&bounds(150, 1e4, 1.0));
+            let sectors = ImageRays::new(&view, DVec3::ONE).sectors(&bounds(150, 1e4, 1.0));
             let pixels = |sector: &Sector| -> i32 {
                 let lanes = (0..sector.steps).map(|k| sector.lanes(k));
                 lanes.map(|[from, to]| to - from).sum()
@@ -473,7 +464,7 @@ mod tests {
         let straight_down = [0.1, 0.35, 0.6, 0.7].map(|yaw| (view(yaw, -FRAC_PI_2, 0.0), 12, 8));
         let rolled = (view(0.3, -0.3, FRAC_PI_4), 4, 2);
         for (view, alone, together) in straight_down.into_iter().chain([rolled]) {
-            let count = |bounds: &Bounds| rays(&view, DVec3::ONE).sectors(bounds).len();
+            let count = |bounds: &Bounds| ImageRays::new(&view, DVec3::ONE).sectors(bounds).len();
             let counts = [1.0, MOST_SLANT].map(|most| count(&bounds(1600, 1e9, most)));
             assert_eq!(counts, [alone, together], "{view:?}");
         }
@@ -483,7 +474,7 @@ mod tests {
             eye: [-1.0, -1.0],
             ..bounds(1600, 1e9, MOST_SLANT)
         };
-        assert_eq!(rays(&view, DVec3::ONE).sectors(&beside).len(), 10);
+        assert_eq!(ImageRays::new(&view, DVec3::ONE).sectors(&beside).len(), 10);
     }
 
     #[test]
@@ -497,7 +488,7 @@ mod tests {
                 size: view.size.map(|side| 6 * side),
                 ..view
             };
-            let image = rays(&view, DVec3::ONE);
+            let image = ImageRays::new(&view, DVec3::ONE);
             let [px, py, pw] = image.vertical();
             let mut beyond = 0;
             for sector in image.sectors(&bounds(512, 200.0, most)) {

@@ -42,6 +42,8 @@ pub(super) struct Steepness {
     across: usize,
     /// Row by row from the south.
     blocks: Vec<Block>,
+    /// Anywhere, along x and along y.
+    steepest: [f32; 2],
 }
 
 impl Steepness {
@@ -55,6 +57,7 @@ impl Steepness {
             side,
             across,
             blocks: vec![Block::EMPTY; across * along],
+            steepest: [0.0; 2],
         };
         let indices: Vec<_> = heights.tile_indices().collect();
         steepness.look_at(heights, &indices);
@@ -75,8 +78,7 @@ impl Steepness {
 
     /// Anywhere, along x and along y.
     pub(super) fn steepest(&self) -> [f32; 2] {
-        let steepest = self.blocks.iter().map(|block| block.steepest);
-        steepest.fold([0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
+        self.steepest
     }
 
     fn look_at(&mut self, heights: &TiledRaster<f32>, tiles: &[TileIndex]) {
@@ -93,6 +95,8 @@ impl Steepness {
                 self.blocks[first..first + blocks.len()].copy_from_slice(blocks);
             }
         }
+        let steepest = self.blocks.iter().map(|block| block.steepest);
+        self.steepest = steepest.fold([0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
     }
 }
 

@@ -25,7 +25,7 @@ pub(in crate::planes) struct Scratch {
     /// the ground or, while it is on its way, to where it is clear.
     pub(super) reached: Vec<f32>,
     pub(super) lanes: [[i32; 2]; MEMORY],
-    /// How steep the ground is at most around a step's lanes: a number for each [`SQUARE`] of them, which
+    /// How steep the ground is at most around a step's lanes: a number for each 2 ^ [`SQUARE`] of them, which
     /// holds for those of the next two squares, too.
     pub(super) steepest: Vec<f64>,
     /// The rays of these steps, for their colours.

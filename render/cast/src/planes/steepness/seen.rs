@@ -228,13 +228,7 @@ mod tests {
         let steepness = Steepness::new(heights);
         let per_metre = DVec3::new(1.0, 0.5, 1.0);
         for view in views() {
-            let rays = ImageRays::new(
-                view.ray(0, 0),
-                view.ray(1, 0),
-                view.ray(0, 1),
-                per_metre,
-                view.size,
-            );
+            let rays = ImageRays::new(&view, per_metre);
             let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
             let mut looked = 0;
             for (col, row) in (0..269).flat_map(|row| (0..299).map(move |col| (col, row))) {
@@ -286,8 +280,7 @@ mod tests {
         let steepness = Steepness::new(ground().heights());
         let view = views()[0];
         let per_metre = DVec3::new(1.0, 0.5, 1.0);
-        let [first, right, below] = [[0, 0], [1, 0], [0, 1]].map(|[i, j]| view.ray(i, j));
-        let rays = ImageRays::new(first, right, below, per_metre, view.size);
+        let rays = ImageRays::new(&view, per_metre);
         let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
         let steepest = steepness.steepest();
         for (axis, steepest) in steepest.into_iter().enumerate() {
