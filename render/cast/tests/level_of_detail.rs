@@ -168,6 +168,37 @@ fn pixels_that_cover_little_are_no_worse() {
     }
 }
 
+/// Where all pixels are narrower than posts, rays go as they do without detail.
+#[test]
+fn narrow_pixels_see_the_ground_exactly() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let over = |x: f64, y: f64, height: f64| {
+        let ground = scene.ground.height_at(x, y).expect("on the ground");
+        DVec3::new(x, y, ground + height)
+    };
+    let close = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [1600, 1000]);
+    for (view, all_magnified) in [
+        (camera(over(320.0, 210.0, 30.0), -1.4, [320, 240]), true),
+        (camera(over(200.0, 300.0, 9.0), -0.9, [400, 300]), true),
+        (close, false),
+    ] {
+        let [exact, detail] =
+            ["planes", Planes::WITH_DETAIL].map(|caster| cast(caster, &scene, &[view]).remove(0));
+        // Rays wait for their colours a step longer, and go on from other places: that is rounded otherwise.
+        let depths = || exact.depth.iter().zip(&detail.depth);
+        let off = |(a, b): (&f32, &f32)| if a == b { 0.0 } else { (a - b).abs() / a };
+        let most = depths().map(off).fold(0.0, f32::max);
+        println!("depths are off by {most} at most");
+        assert!(most < 1e-5, "{most}");
+        // Where footprints are no larger than a pixel of the photo colours are the same but for rounding.
+        let pairs = exact.colour().iter().zip(detail.colour());
+        let near = pairs.filter(|(a, b)| (0..3).all(|k| a[k].abs_diff(b[k]) <= 1));
+        let (near, all) = (near.count(), exact.colour().len());
+        println!("{near} of {all} colours are the same");
+        assert!(2 * near > all && (near == all) == all_magnified);
+    }
+}
+
 #[test]
 fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
     // 701 by 514 posts: a coarse level's last cells reach out over the border.

@@ -555,14 +555,16 @@ impl Lanes for Avx2 {
         stride: u32,
         places: [Texels<'_, Self>; 2],
     ) -> I {
-        let blended = |of: Texels<'_, Self>| {
-            let [low, high] = rows(texels, of.at, stride);
-            on_values!([
-                blend_by_six_bits(low, of.east[0], of.north[0]),
-                blend_by_six_bits(high, of.east[1], of.north[1]),
-            ])
-        };
-        let (first, second) = (blended(places[0]), blended(places[1]));
+        let [first, second] = places.map(
+            #[inline(always)]
+            |of| {
+                let [low, high] = rows(texels, of.at, stride);
+                on_values!([
+                    blend_by_six_bits(low, of.east[0], of.north[0]),
+                    blend_by_six_bits(high, of.east[1], of.north[1]),
+                ])
+            },
+        );
         on_values!({
             let half = _mm256_set1_epi16(64);
             let mean = |k: usize, n: usize| {

@@ -3,6 +3,7 @@
 use super::field::Tiles;
 use super::frame::Level;
 use super::roofs::Roofs;
+use super::rows::FAR;
 use super::steepness::Steepness;
 use crate::CastError;
 use crate::lanes::LANES;
@@ -179,6 +180,12 @@ impl Detail {
             .collect()
     }
 
+    /// How many posts pixels may cover up to which all rays go over the ground's own resolution.
+    pub(super) fn widest_in_finest(&self) -> f64 {
+        // From two of what is asked for to a cell on a ray changes to the next level.
+        f64::from(FAR).min(2.0 / self.options.cell)
+    }
+
     pub(super) fn frame(&self) -> DetailFrame<'_> {
         DetailFrame {
             cell: self.options.cell as f32,
@@ -245,5 +252,34 @@ impl<'a> TextureFrame<'a> {
             spacing: texture.spacing,
             covers,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Isa;
+    use crate::planes::PlanesScene;
+    use crate::units::UnitCaster;
+    use crate::{Scene, standpoints};
+    use glam::{DVec2, DVec3};
+
+    #[test]
+    fn ground_is_coarsened_where_pixels_come_to_be_wider_than_asked_for() {
+        let height = |col: u32, row: u32| ((col * 7 + row * 3) % 11) as f32;
+        let ground = Ground::from_fn(400, 300, DVec2::ONE, height).expect("a sound grid");
+        let scene = Scene::new(ground);
+        let coarsens = |cell: f64, size: [u32; 2]| {
+            let options = DetailOptions { cell, blur: 1.9 };
+            let scene = PlanesScene::new(Isa::best(), Some(options), scene.clone());
+            let eye = DVec3::new(0.0, -0.7, 0.6);
+            let view = standpoints::at_table(&scene.scene.ground, eye, size);
+            let frame = scene.frame(&view).expect("a proper view");
+            assert_eq!(frame.coarsens, frame.levels.len() > 1);
+            frame.coarsens
+        };
+        assert!(!coarsens(1.5, [1600, 1000]));
+        assert!(coarsens(1.5, [320, 200]));
+        assert!(coarsens(8.0, [1600, 1000]));
     }
 }

@@ -21,6 +21,17 @@ struct Places<L: Lanes> {
     are: L::M,
 }
 
+impl<L: Lanes> Places<L> {
+    /// The squares of how far away others are; infinity where there are none.
+    #[inline(always)]
+    fn away(&self, l: L, other: &Self) -> L::F {
+        let major = l.sub(other.major, self.major);
+        let minor = l.sub(other.minor, self.minor);
+        let square = l.add(l.mul(major, major), l.mul(minor, minor));
+        l.select(other.are, square, l.splat(f32::INFINITY))
+    }
+}
+
 impl Around<'_> {
     /// Where the rays of the group at `at` meet the ground, or those `aside` lanes beside it.
     #[inline(always)]
@@ -38,6 +49,45 @@ impl Around<'_> {
             are: l.and(l.mask(there), l.le(l.splat(0.0), t)),
         }
     }
+}
+
+/// How long extents are at most, in pixels of a texture, of footprints of which it needs no more than
+/// their middle: for [`filters`] of so much `blur`, whatever else is around.
+pub(super) fn most_small(blur: f32) -> f32 {
+    // A footprint's length and its width are no more than that then, it is not a long one, and both of
+    // its halves are in the finest level.
+    (0.999 * 2.0 / (STAGGER * blur)).min(1.0)
+}
+
+/// Which pixels of the group at `at` have footprints with extents that are surely no longer than `most`.
+///
+/// Of two neighbours on opposite sides the nearer one counts, so it is enough that one is near, or that
+/// there is none.
+#[inline(always)]
+pub(super) fn are_small<L: Lanes>(
+    l: L,
+    scale: [f32; 2],
+    most: f32,
+    [before, this, behind]: &[Around<'_>; 3],
+    wanted: u16,
+    at: usize,
+) -> L::M {
+    let here = this.places(l, at, 0, scale);
+    let most = l.splat(most * most);
+    let along_lanes = here.away(l, &this.places(l, at, 1, scale));
+    let along_steps = here.away(l, &before.places(l, at, 0, scale));
+    let small = l.and(l.le(along_lanes, most), l.le(along_steps, most));
+    if l.bits(small) & wanted == wanted {
+        return small;
+    }
+    // The others ask their other neighbours, too.
+    let along_lanes = l.min(along_lanes, here.away(l, &this.places(l, at, -1, scale)));
+    let along_steps = l.min(along_steps, here.away(l, &behind.places(l, at, 0, scale)));
+    let none = l.splat(f32::INFINITY);
+    l.and(
+        l.or(l.le(along_lanes, most), l.le(none, along_lanes)),
+        l.or(l.le(along_steps, most), l.le(none, along_steps)),
+    )
 }
 
 /// The filters of a chunk's pixels.
@@ -262,5 +312,63 @@ mod tests {
         // A guess that is no further astray than the other extent stays.
         let plain = |step: i32, lane: i32| [100.0 + 2.0 * step as f32, 2.0 * lane as f32];
         assert_eq!(levels([0, 17], plain), [2; 4]);
+    }
+
+    /// Small footprints are those of which a filter would take no more than one place of the finest level.
+    #[test]
+    fn small_footprints_need_no_filter() {
+        let l = Portable;
+        let number = |k: u32, of: u32| {
+            let n = (k ^ of.wrapping_mul(0x9e37_79b9)).wrapping_mul(0x2c1b_3c6d);
+            let n = (n ^ (n >> 15)).wrapping_mul(0x85eb_ca6b);
+            ((n ^ (n >> 13)) >> 8) as f32 / 16_777_216.0
+        };
+        let (mut small, mut filtered) = (0, 0);
+        for blur in [0.25, 1.0, 1.9, 4.0] {
+            for k in 0..4000 {
+                // Extents of all sizes, ridges here and there, and borders.
+                let size = 4.0 * number(k, 1).powi(2);
+                let ridge = (number(k, 2) * 40.0) as i32;
+                let lanes = [(number(k, 3) * 30.0) as i32 - 28, 17];
+                let numbers = [-1, 0, 1].map(|step: i32| {
+                    let place = |lane: i32| {
+                        let seed = k * 100 + (step + 1) as u32 * 20 + (lane + 1) as u32;
+                        let shaken = |of: u32| size * (number(seed, of) - 0.5);
+                        let beyond = if lane > ridge { 7.0 } else { 0.0 };
+                        let aside = 30.0 + size * lane as f32 * 0.7 + shaken(5);
+                        let major = 100.0 + size * step as f32 + shaken(4) + beyond;
+                        let sky = number(seed, 6) < 0.05;
+                        (if sky { -major } else { major }, aside / major)
+                    };
+                    (-1..LANES as i32 + 1)
+                        .map(place)
+                        .unzip::<f32, f32, Vec<_>, Vec<_>>()
+                });
+                let around = numbers.each_ref().map(|(reached, advance)| Around {
+                    lanes,
+                    reached,
+                    advance,
+                });
+                let mut wanted = 0;
+                for lane in 0..LANES {
+                    let is_ground = numbers[1].0[lane + 1] >= 0.0 && lane as i32 >= lanes[0];
+                    wanted |= u16::from(is_ground) << lane;
+                }
+                let most = most_small(blur);
+                let are = are_small(l, [1.0; 2], most, &around, wanted, 0);
+                let are = l.bits(are) & wanted;
+                let mut found = Box::<Filters>::default();
+                filters(l, 9, [1.0; 2], blur, &around, &[wanted], &mut found);
+                for lane in (0..LANES).filter(|lane| wanted >> lane & 1 != 0) {
+                    let levels = [0, 1].map(|half| found.levels[half][lane]);
+                    let needs = found.two[0] >> lane & 1 != 0 || levels != [0; 2];
+                    let is_small = are >> lane & 1 != 0;
+                    assert!(!(needs && is_small), "lane {lane} of {k}, blur {blur}");
+                    small += u32::from(is_small);
+                    filtered += u32::from(needs);
+                }
+            }
+        }
+        assert!(small > 40_000 && filtered > 40_000, "{small}, {filtered}");
     }
 }

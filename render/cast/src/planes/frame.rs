@@ -65,10 +65,12 @@ impl<'a> Level<'a> {
 /// What all sectors of one view share.
 pub(super) struct Frame<'a> {
     pub(super) isa: Isa,
-    /// The ground's own resolution and, where detail is chosen, those that are halved again and
-    /// again.
+    /// The ground's own resolution and, where it is coarsened, those that are halved again and again.
     pub(super) levels: Vec<Level<'a>>,
     pub(super) detail: Option<DetailFrame<'a>>,
+    /// Whether detail is chosen and pixels are so wide that ground is taken at other resolutions than its
+    /// own somewhere. Else rays go exactly the ways that they go without detail.
+    pub(super) coarsens: bool,
     pub(super) ground: &'a Ground,
     pub(super) view: &'a View,
     pub(super) rays: ImageRays,

@@ -21,6 +21,7 @@ mod survey;
 mod texture;
 mod walk;
 mod wave;
+mod widest;
 
 pub use self::floor::ShadeFloor;
 pub use self::survey::Survey;
@@ -108,9 +109,9 @@ impl PlanesScene {
 /// and groups are left half full.
 const WIDTH: u32 = 1600;
 
-/// The same where detail is chosen: most of such a cast goes along planes, which do not end, and is
+/// The same where ground is coarsened: most of such a cast goes along planes, which do not end, and is
 /// better shared by threads.
-const DETAILED_WIDTH: u32 = 512;
+const COARSENED_WIDTH: u32 = 512;
 
 /// About how many pixels a sector has that is cut across its planes, so that many threads have something
 /// to do: its first step's rays have none to begin from, and take as long as those of a few other steps.
@@ -200,31 +201,35 @@ impl UnitCaster for PlanesScene {
         let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
         let rays = ImageRays::new(view, per_metre);
         let finest = Level::new(ground.heights(), &self.roofs, &self.steepness);
-        let levels = match &self.detail {
+        let eye = view.eye * per_metre;
+        let coarser = self.detail.as_ref().filter(|detail| {
+            let heights = [low, high].map(f64::from);
+            rays.widest(eye, finest.cells, heights) > detail.widest_in_finest()
+        });
+        let coarsens = coarser.is_some();
+        let levels = match coarser {
             Some(detail) => detail.levels(finest),
             None => vec![finest],
         };
-        let eye = view.eye * per_metre;
-        let is_detailed = self.detail.is_some();
         let bounds = Bounds {
-            width: if is_detailed { DETAILED_WIDTH } else { WIDTH },
-            size: if is_detailed { f64::INFINITY } else { SIZE },
+            width: if coarsens { COARSENED_WIDTH } else { WIDTH },
+            size: if coarsens { f64::INFINITY } else { SIZE },
             // A pixel's mean is taken along its plane, which must not run along lanes.
-            most_slant: if is_detailed { 1.0 } else { MOST_SLANT },
+            most_slant: if coarsens { 1.0 } else { MOST_SLANT },
             eye: [eye.x, eye.y],
             cells: levels[0].cells,
         };
         let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        let is_worth_while = !is_detailed
-            && pixels >= PIXELS_A_BLOCK * self.steepness.blocks()
-            && rays.are_slanted();
+        let is_worth_while =
+            !coarsens && pixels >= PIXELS_A_BLOCK * self.steepness.blocks() && rays.are_slanted();
         let steepness =
             is_worth_while.then(|| SteepnessSeen::new(&self.steepness, &rays, eye, rounding));
         Ok(Frame {
             isa: self.isa,
             levels,
             detail: self.detail.as_ref().map(Detail::frame),
+            coarsens,
             ground,
             view,
             sectors: rays.sectors(&bounds),

@@ -11,6 +11,7 @@ mod sky;
 mod survey;
 
 pub(super) use directions::Directions;
+pub(super) use fans::FAR;
 pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
@@ -72,7 +73,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
-    let can_carry = frame.detail.is_none() && Patches::can_name(&march.fields[0]);
+    let can_carry = !frame.coarsens && Patches::can_name(&march.fields[0]);
     let unfinished = if march.fields[0].ahead.is_some() {
         UNFINISHED_OVER_LARGE
     } else {
@@ -82,7 +83,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let mut carrying = Carrying::default();
     let mut lanes_ahead = [[0; 2]; AHEAD];
     for step in 0..sector.steps {
-        if step > 0 && frame.detail.is_some() && march.is_far(step - 1, scratch) {
+        if step > 0 && frame.coarsens && march.is_far(step - 1, scratch) {
             march.go_on(scratch, 0, tally);
             scratch.far_from = step;
             march.shade(&shader, canvas, scratch, shaded, step);
@@ -110,7 +111,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
             let mut led = chunk;
-            if frame.detail.is_none() {
+            if !frame.coarsens {
                 led = march.led(step, chunk, shaded, scratch);
                 *scratch.led(step, first - lanes[0]) = led;
                 for sky in [[first, led[0]], [led[1], chunk[1]]] {
@@ -286,7 +287,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 if led[0] < led[1] {
                     sees_sky |= self.shade_led(shader, step, led, scratch);
                 }
-                if sees_sky && self.frame.detail.is_none() {
+                if sees_sky && !self.frame.coarsens {
                     let sky = &mut scratch.sky[step as usize % MEMORY];
                     sky.put((first - lanes[0]) as usize, chunk, led, &scratch.shading);
                 }

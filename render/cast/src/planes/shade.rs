@@ -35,9 +35,18 @@ pub(super) struct Shading {
     /// Where detail is chosen: the pixels' filters, and where the halves of their footprints lie.
     filters: Filters,
     halves: [Half; 2],
+    /// And the pixels of each group for which it takes more than their middles; for how many chunks to
+    /// come it is not looked whether there are any others.
+    filtered: [u16; CAPACITY / LANES],
+    all_filtered: u32,
 }
 
 impl Shading {
+    /// Makes ready for a sector.
+    pub(super) fn begin(&mut self) {
+        self.all_filtered = 0;
+    }
+
     /// For each group of the first `count` lanes, its pixels that see the sky.
     pub(super) fn sky(&self, count: usize) -> &[u16] {
         &self.sky[..count.div_ceil(LANES)]
@@ -56,6 +65,8 @@ impl Default for Shading {
             sky: [0; CAPACITY / LANES],
             filters: Filters::default(),
             halves: Default::default(),
+            filtered: [0; CAPACITY / LANES],
+            all_filtered: 0,
         }
     }
 }
@@ -95,8 +106,10 @@ pub(super) struct Shader<'a> {
     /// Where detail is chosen: the photo, and tints.
     textures: [Option<Mipmapped<'a>>; 2],
     blur: f32,
-    /// Whether the ground is too large for the processor's nearer caches.
+    /// Whether the ground is too large for the processor's nearer caches; and whether memory is asked for
+    /// ahead of hits then, as it is where rays go over its own resolution alone.
     large: bool,
+    asks_ahead: bool,
 }
 
 /// How many cells ahead of a hit memory is asked for.
@@ -135,6 +148,9 @@ impl<'a> Shader<'a> {
             textures,
             blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
             large: frame.levels[0].is_large(),
+            asks_ahead: frame.levels[0].is_large()
+                && !frame.coarsens
+                && frame.ground.photo().is_some(),
         }
     }
 
@@ -177,6 +193,10 @@ impl<'a> Shader<'a> {
                 let (y, _, _) = photo.y.locate(l, advances[1]);
                 l.store_i(photo.tiles.place(l, x, y), &mut places);
                 l.prefetch::<_, 2>(&photo.tiles.items, &places, 0);
+            } else if let Some(photo) = &self.textures[0] {
+                let (located, _) = photo.locate_small(l, hit, photo.from_eye(l, t, advance));
+                l.store_i(located.at, &mut places);
+                l.prefetch::<_, 2>(&photo.frame.tiles.items, &places, 0);
             }
         }
     }
@@ -299,7 +319,7 @@ impl<'a> Shader<'a> {
             sees_sky |= mask & !hits;
             shading.rest[number] = hits;
             shading.on[number] = 0;
-            if self.large && hits != 0 && self.photo.is_some() {
+            if self.asks_ahead && hits != 0 {
                 self.prefetch(l, chunk, at, hit, reached, advance);
             }
             if let Some(photo) = &self.photo

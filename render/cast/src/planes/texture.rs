@@ -27,12 +27,23 @@ impl Along {
         }
     }
 
-    /// Where that lies in `level`, from the first pixel's centre; and where the last pixel does.
+    /// Where that lies in `level`, from the first pixel's centre. At the border the outer pixel's colour
+    /// goes on: all but a hair of it.
     #[inline(always)]
-    fn coarser<L: Lanes>(&self, l: L, place: L::I, level: L::I, bits: L::I) -> (L::I, L::I) {
-        let half = l.shr_i(l.shl_i(l.splat_i(1), bits), l.splat_i(1));
+    fn coarser<L: Lanes>(&self, l: L, place: L::I, level: L::I, bits: L::I) -> L::I {
+        let (none, one) = (l.splat_i(0), l.splat_i(1));
+        let half = l.shr_i(l.shl_i(one, bits), one);
         let last = l.shl_i(l.shr_i(l.splat_i(self.pixels - 1), level), bits);
-        (l.sub_i(l.shr_i(place, level), half), last)
+        let place = l.sub_i(l.shr_i(place, level), half);
+        l.max_i(l.min_i(place, l.sub_i(last, one)), none)
+    }
+
+    /// As `coarser`, in the finest level.
+    #[inline(always)]
+    fn finest<L: Lanes>(&self, l: L, place: L::I, bits: i32) -> L::I {
+        let last = l.splat_i(((self.pixels - 1) << bits) - 1);
+        let place = l.sub_i(place, l.splat_i(1 << bits >> 1));
+        l.max_i(l.min_i(place, last), l.splat_i(0))
     }
 }
 
@@ -98,6 +109,16 @@ impl<'a> Mipmapped<'a> {
         }
     }
 
+    /// Where hits are: how many finest pixels from the eye along major and minor axis.
+    #[inline(always)]
+    pub(super) fn from_eye<L: Lanes>(&self, l: L, reached: L::F, advance: L::F) -> [L::F; 2] {
+        let [major, minor] = self.scale;
+        [
+            l.mul(reached, l.splat(major)),
+            l.mul(l.mul(reached, advance), l.splat(minor)),
+        ]
+    }
+
     /// Where the colours of the halves of footprints lie of which the middles are `middle` finest
     /// pixels from the eye along major and minor axis; and which of them the texture has.
     #[inline(always)]
@@ -108,29 +129,8 @@ impl<'a> Mipmapped<'a> {
         middle: [L::F; 2],
         halves: &Halves<L>,
     ) -> ([Located<L>; 2], L::M) {
-        let bits = l.splat_i(self.bits);
         let parts = l.splat(self.parts);
-        let (major, minor) = (l.mul(middle[0], parts), l.mul(middle[1], parts));
-        let (major, minor) = (l.to_int(major), l.to_int(minor));
-        let (x, y) = if self.major == 0 {
-            (major, minor)
-        } else {
-            (minor, major)
-        };
-        let (x, y) = (self.x.place(l, x), self.y.place(l, y));
-        let mut on = mask;
-        if !self.frame.covers {
-            let none = l.splat_i(0);
-            let off_x = l.or(
-                l.gt_i(none, x),
-                l.gt_i(l.shr_i(x, bits), l.splat_i(self.x.pixels - 1)),
-            );
-            let off_y = l.or(
-                l.gt_i(none, y),
-                l.gt_i(l.shr_i(y, bits), l.splat_i(self.y.pixels - 1)),
-            );
-            on = l.and_not(mask, l.or(off_x, off_y));
-        }
+        let ([x, y], on) = self.place(l, mask, middle);
         let major = l.to_int(l.mul(halves.aside[0], parts));
         let minor = l.to_int(l.mul(halves.aside[1], parts));
         let (aside_x, aside_y) = if self.major == 0 {
@@ -152,25 +152,74 @@ impl<'a> Mipmapped<'a> {
         ([before, behind], on)
     }
 
+    /// As `locate`, of footprints so small that both halves have the place and the level of their middle:
+    /// the finest.
+    #[inline(always)]
+    pub(super) fn locate_small<L: Lanes>(
+        &self,
+        l: L,
+        mask: L::M,
+        middle: [L::F; 2],
+    ) -> (Located<L>, L::M) {
+        let ([x, y], on) = self.place(l, mask, middle);
+        let x = self.x.finest(l, x, self.bits);
+        let y = self.y.finest(l, y, self.bits);
+        let bits = l.splat_i(self.bits);
+        let tiles = &self.frame.tiles;
+        let place = tiles.place(l, l.shr_i(x, bits), l.shr_i(y, bits));
+        (self.located(l, mask, [x, y], place), on)
+    }
+
+    /// In fixed point, where places lie that are so many finest pixels from the eye along major and minor
+    /// axis; and which of them the texture has.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, l: L, mask: L::M, from_eye: [L::F; 2]) -> ([L::I; 2], L::M) {
+        let bits = l.splat_i(self.bits);
+        let parts = l.splat(self.parts);
+        let major = l.to_int(l.mul(from_eye[0], parts));
+        let minor = l.to_int(l.mul(from_eye[1], parts));
+        let (x, y) = if self.major == 0 {
+            (major, minor)
+        } else {
+            (minor, major)
+        };
+        let (x, y) = (self.x.place(l, x), self.y.place(l, y));
+        let mut on = mask;
+        if !self.frame.covers {
+            let none = l.splat_i(0);
+            let off_x = l.or(
+                l.gt_i(none, x),
+                l.gt_i(l.shr_i(x, bits), l.splat_i(self.x.pixels - 1)),
+            );
+            let off_y = l.or(
+                l.gt_i(none, y),
+                l.gt_i(l.shr_i(y, bits), l.splat_i(self.y.pixels - 1)),
+            );
+            on = l.and_not(mask, l.or(off_x, off_y));
+        }
+        ([x, y], on)
+    }
+
     /// The texels around a place in fixed point, in a level, and their weights.
     #[inline(always)]
     fn texels<L: Lanes>(&self, l: L, mask: L::M, level: L::I, [x, y]: [L::I; 2]) -> Located<L> {
-        let (none, one) = (l.splat_i(0), l.splat_i(1));
         let bits = l.splat_i(self.bits);
-        let (x, last_x) = self.x.coarser(l, x, level, bits);
-        let (y, last_y) = self.y.coarser(l, y, level, bits);
+        let x = self.x.coarser(l, x, level, bits);
+        let y = self.y.coarser(l, y, level, bits);
         let first_tile = l.pick(l.load_i(&self.frame.first_tiles), level);
         let across = l.pick(l.load_i(&self.frame.tiles_across), level);
+        let (col, row) = (l.shr_i(x, bits), l.shr_i(y, bits));
+        let place = self.frame.tiles.place_in(l, first_tile, across, col, row);
+        self.located(l, mask, [x, y], place)
+    }
+
+    /// The texels at `place`, with the weights of a place in fixed point of their level.
+    #[inline(always)]
+    fn located<L: Lanes>(&self, l: L, mask: L::M, [x, y]: [L::I; 2], place: L::I) -> Located<L> {
         let fraction = l.splat_i((1 << self.bits) - 1);
         let more_bits = l.splat_i(15 - self.bits);
-        // At the border the outer pixel's colour goes on: all but a hair of it.
-        let x = l.max_i(l.min_i(x, l.sub_i(last_x, one)), none);
-        let y = l.max_i(l.min_i(y, l.sub_i(last_y, one)), none);
-        let (col, row) = (l.shr_i(x, bits), l.shr_i(y, bits));
-        let tiles = &self.frame.tiles;
-        let place = tiles.place_in(l, first_tile, across, col, row);
         Located {
-            at: tiles.only(l, mask, place),
+            at: self.frame.tiles.only(l, mask, place),
             east: l.shl_i(l.and_i(x, fraction), more_bits),
             north: l.shl_i(l.and_i(y, fraction), more_bits),
         }

@@ -17,7 +17,7 @@ use crate::planes::shade::Shader;
 use crate::tally::Tally;
 
 /// How many posts a pixel covers, about, from which on it may lie between planes.
-const FAR: f32 = 1.0;
+pub(in crate::planes) const FAR: f32 = 1.0;
 
 impl<L: Lanes> March<'_, L> {
     /// Casts the steps of a sector from `begin` on.

@@ -120,6 +120,7 @@ impl Scratch {
         self.led
             .resize(MEMORY * room.div_ceil(CHUNK), [i32::MIN, i32::MAX]);
         self.keeps_patches = false;
+        self.shading.begin();
         self.pixels.begin(canvas, sector, width + MARGIN);
         room
     }

@@ -60,7 +60,8 @@ impl<L: Lanes> March<'_, L> {
         let aim = Aim::new(l, self.frame, v);
         let towards = self.towards(step);
         // Along a step a ray's minor part changes, over its major one's square, by this much.
-        let across = self.frame.detail.as_ref().map(|detail| {
+        let detail = self.frame.detail.as_ref();
+        let across = detail.filter(|_| self.frame.coarsens).map(|detail| {
             let d = self.directions.at(step, 0);
             (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
         });

@@ -2,8 +2,8 @@
 
 use super::{Chunk, Shader, Shading};
 use crate::lanes::{LANES, Lanes, Texels, group, group_mut};
-use crate::planes::footprint::filters;
-use crate::planes::texture::{Halves, Mipmapped};
+use crate::planes::footprint::{are_small, filters, most_small};
+use crate::planes::texture::{Halves, Located, Mipmapped};
 use crate::planes::wave::{CAPACITY, Column};
 
 /// Where colours lie in a texture, and the weights of eastern and northern texels in fixed point.
@@ -26,6 +26,13 @@ impl Default for Half {
 
 impl Half {
     #[inline(always)]
+    fn put<L: Lanes>(&mut self, l: L, at: usize, located: &Located<L>) {
+        l.store_i(located.at, group_mut(&mut self.at, at));
+        l.store_i(located.east, group_mut(&mut self.east, at));
+        l.store_i(located.north, group_mut(&mut self.north, at));
+    }
+
+    #[inline(always)]
     pub(super) fn texels<L: Lanes>(&self, l: L, at: usize) -> Texels<'_, L> {
         Texels {
             at: group(&self.at, at),
@@ -34,6 +41,9 @@ impl Half {
         }
     }
 }
+
+/// For how many chunks it is not looked whether footprints are small where few groups' were.
+const REST: u32 = 31;
 
 impl Shader<'_> {
     /// Colours the pixels of `shading.rest` from a texture, each by the filter of its footprint,
@@ -56,60 +66,28 @@ impl Shader<'_> {
             .is_some_and(|photo| std::ptr::eq(photo, texture));
         l.vectorize(
             #[inline(always)]
-            || {
-                filters(
-                    l,
-                    texture.frame.levels,
-                    texture.scale,
-                    self.blur,
-                    &chunk.around,
-                    &shading.rest[..groups],
-                    &mut shading.filters,
-                );
-            },
+            || self.locate_small(l, chunk, texture, is_photo, shading),
         );
-        l.vectorize(
-            #[inline(always)]
-            || {
-                for at in (0..chunk.count).step_by(LANES) {
-                    let number = at / LANES;
-                    let mut wanted = shading.rest[number];
-                    if wanted == 0 {
-                        continue;
-                    }
-                    let filters = &mut shading.filters;
-                    let halves = Halves {
-                        aside: [
-                            l.load(group(&filters.major, at)),
-                            l.load(group(&filters.minor, at)),
-                        ],
-                        levels: [
-                            l.load_i(group(&filters.levels[0], at)),
-                            l.load_i(group(&filters.levels[1], at)),
-                        ],
-                    };
-                    if !is_photo {
-                        wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
-                    }
-                    let reached = l.load(group(chunk.reached, at));
-                    let advance = l.load(group(chunk.advance, at));
-                    let [major, minor] = texture.scale;
-                    let place = |t: L::F| {
-                        [
-                            l.mul(t, l.splat(major)),
-                            l.mul(l.mul(t, advance), l.splat(minor)),
-                        ]
-                    };
-                    let (located, on) = texture.locate(l, l.mask(wanted), place(reached), &halves);
-                    shading.on[number] = l.bits(on);
-                    for (to, half) in shading.halves.iter_mut().zip(&located) {
-                        l.store_i(half.at, group_mut(&mut to.at, at));
-                        l.store_i(half.east, group_mut(&mut to.east, at));
-                        l.store_i(half.north, group_mut(&mut to.north, at));
-                    }
-                }
-            },
-        );
+        if shading.filtered[..groups].iter().any(|&wanted| wanted != 0) {
+            l.vectorize(
+                #[inline(always)]
+                || {
+                    filters(
+                        l,
+                        texture.frame.levels,
+                        texture.scale,
+                        self.blur,
+                        &chunk.around,
+                        &shading.filtered[..groups],
+                        &mut shading.filters,
+                    );
+                },
+            );
+            l.vectorize(
+                #[inline(always)]
+                || self.locate_halves(l, chunk, texture, is_photo, shading),
+            );
+        }
         l.vectorize(
             #[inline(always)]
             || {
@@ -156,5 +134,93 @@ impl Shader<'_> {
                 }
             },
         );
+    }
+
+    /// Locates the colours of groups of which all footprints are small: there one place is enough, and
+    /// most near ground is like that. The others are left to be filtered.
+    #[inline(always)]
+    fn locate_small<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        texture: &Mipmapped<'_>,
+        is_photo: bool,
+        shading: &mut Shading,
+    ) {
+        let groups = chunk.count.div_ceil(LANES);
+        shading.on[..groups].fill(0);
+        if shading.all_filtered > 0 {
+            shading.all_filtered -= 1;
+            shading.filtered[..groups].copy_from_slice(&shading.rest[..groups]);
+            return;
+        }
+        let most = most_small(self.blur);
+        let (mut all, mut filtered) = (0, 0);
+        for at in (0..chunk.count).step_by(LANES) {
+            let number = at / LANES;
+            let wanted = shading.rest[number];
+            shading.filtered[number] = 0;
+            if wanted == 0 {
+                continue;
+            }
+            all += 1;
+            let small = are_small(l, texture.scale, most, &chunk.around, wanted, at);
+            if l.bits(small) & wanted != wanted {
+                shading.filtered[number] = wanted;
+                filtered += 1;
+            } else if is_photo {
+                let reached = l.load(group(chunk.reached, at));
+                let advance = l.load(group(chunk.advance, at));
+                let middle = texture.from_eye(l, reached, advance);
+                let (located, on) = texture.locate_small(l, l.mask(wanted), middle);
+                shading.on[number] = l.bits(on);
+                shading.filters.two[number] = 0;
+                shading.halves[0].put(l, at, &located);
+            }
+        }
+        if 2 * filtered > all {
+            shading.all_filtered = REST;
+        }
+    }
+
+    /// Locates the halves of footprints that are filtered.
+    #[inline(always)]
+    fn locate_halves<L: Lanes>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        texture: &Mipmapped<'_>,
+        is_photo: bool,
+        shading: &mut Shading,
+    ) {
+        for at in (0..chunk.count).step_by(LANES) {
+            let number = at / LANES;
+            let mut wanted = shading.filtered[number];
+            if wanted == 0 {
+                continue;
+            }
+            let filters = &mut shading.filters;
+            let halves = Halves {
+                aside: [
+                    l.load(group(&filters.major, at)),
+                    l.load(group(&filters.minor, at)),
+                ],
+                levels: [
+                    l.load_i(group(&filters.levels[0], at)),
+                    l.load_i(group(&filters.levels[1], at)),
+                ],
+            };
+            if !is_photo {
+                wanted &= l.bits(l.gt_i(halves.levels[0], l.splat_i(0)));
+            }
+            let reached = l.load(group(chunk.reached, at));
+            let advance = l.load(group(chunk.advance, at));
+            let middle = texture.from_eye(l, reached, advance);
+            let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
+            shading.on[number] = l.bits(on);
+            for (to, half) in shading.halves.iter_mut().zip(&located) {
+                to.put(l, at, half);
+            }
+        }
     }
 }
