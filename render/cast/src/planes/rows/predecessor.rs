@@ -3,7 +3,7 @@
 use super::March;
 use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::planes::steepness::SQUARE;
 use glam::DVec3;
 
@@ -152,10 +152,13 @@ impl<L: Lanes> March<'_, L> {
         }
         let before = self.slot(before) + MARGIN;
         let reached = |lane: i32| scratch.reached[before + lane.clamp(from, to - 1) as usize].abs();
-        let [first, last] = [reached(ends[0]), reached(ends[1])];
+        let mut nearest = reached(ends[1]);
+        for lane in (ends[0]..ends[1]).step_by(LANES) {
+            nearest = nearest.min(reached(lane));
+        }
         let d = self.directions.at(step, ends[0]);
         let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
-        let covered = (first.min(last) * width).max(1.0);
+        let covered = (nearest * width).max(1.0);
         let coarsest = self.steepest.len() - 1;
         let level = (covered.to_bits() >> 23) as usize - 127;
         self.steepest[level.min(coarsest)]
@@ -166,7 +169,7 @@ impl<L: Lanes> March<'_, L> {
 mod tests {
     use super::*;
     use crate::Scene;
-    use crate::lanes::{Isa, LANES, Portable};
+    use crate::lanes::{Isa, Portable};
     use crate::planes::PlanesScene;
     use crate::planes::steepness::AROUND;
     use crate::units::UnitCaster;

@@ -99,13 +99,13 @@ impl<L: Lanes> March<'_, L> {
                 let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
-            if across.is_none() && in_chunk.is_multiple_of(BLOCK) {
-                shared = self.nearest::<3>(
-                    step,
-                    towards,
-                    [first, lanes[1].min(first + BLOCK as i32) - 1],
-                    scratch.steepest_around(first),
-                );
+            if in_chunk.is_multiple_of(BLOCK) {
+                let ends = [first, lanes[1].min(first + BLOCK as i32) - 1];
+                let steepest = match across {
+                    Some(across) => self.steepest_near(scratch, step, ends, across),
+                    None => scratch.steepest_around(first),
+                };
+                shared = self.nearest::<3>(step, towards, ends, steepest);
             }
             let before = shared.or_else(
                 #[inline(always)]
