@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use sandtable_cast::{CastPool, Image, Planes, Scene, caster_by_name, standpoints};
 use sandtable_terrain::{Ground, LinearLight, Photo, TiledRaster};
-use sandtable_view::{Attitude, Camera, View};
+use sandtable_view::{Attitude, Camera, Screen, View};
 use std::sync::Arc;
 
 fn hash(x: u32, y: u32) -> u32 {
@@ -236,6 +236,83 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
             );
         }
     }
+}
+
+/// Wherever the eye is, over the ground or beside it: where a pixel and all around it see ground, it does so
+/// with detail, too, and about as far away; and where all see the sky it sees that.
+#[test]
+fn no_ground_is_lost_and_none_is_made_up() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let share = |k: u32, of: u32| f64::from(hash(k, of) >> 8) / 16_777_216.0;
+    let extent = scene.ground.grid().extent();
+    let middle = (0.5 * extent).extend(60.0);
+    let mut views = Vec::new();
+    for k in 0..240 {
+        // Tables that the ground is smaller than, and eyes all around it that look at its middle.
+        let around = std::f64::consts::TAU * share(k, 1);
+        let away = extent.x * (0.2 + 1.3 * share(k, 2));
+        let eye = middle + away * DVec3::new(around.cos(), around.sin(), 0.2 + share(k, 3));
+        let towards =
+            middle + 0.4 * extent.x * DVec3::new(share(k, 4) - 0.5, share(k, 5) - 0.5, 0.0);
+        let d = towards - eye;
+        let size = [240, 160].map(|side| (f64::from(side) * (1.0 + 2.0 * share(k, 6))) as u32);
+        if k % 2 == 0 {
+            let camera = Camera {
+                eye,
+                attitude: Attitude {
+                    yaw: d.x.atan2(d.y),
+                    pitch: d.z.atan2(d.truncate().length()),
+                    roll: 3.0 * share(k, 7),
+                },
+                horizontal_fov: 1.4,
+            };
+            views.push(camera.view(size));
+        } else {
+            // A horizontal window below the eye, in which the pixel straight down may be.
+            let up = DVec3::new(-around.cos(), -around.sin(), 0.0);
+            let right = DVec3::new(up.y, -up.x, 0.0);
+            let glass = DVec3::new(middle.x, middle.y, 0.0) - away * 0.1 * up;
+            let [half_width, half_height] = [0.9 * away, 0.6 * away];
+            let corner = |x: f64, y: f64| glass + x * half_width * right + y * half_height * up;
+            views.push(View {
+                eye,
+                window: Screen {
+                    lower_left: corner(-1.0, -1.0),
+                    lower_right: corner(1.0, -1.0),
+                    upper_left: corner(-1.0, 1.0),
+                },
+                size,
+            });
+        }
+    }
+    let exact = cast("planes", &scene, &views);
+    let detail = cast(Planes::WITH_DETAIL, &scene, &views);
+    let (mut looked, mut lost) = (0, Vec::new());
+    for (k, (exact, detail)) in exact.iter().zip(&detail).enumerate() {
+        let [width, height] = views[k].size.map(|side| side as usize);
+        let mut wrong = 0;
+        for (j, i) in (3..height - 3).flat_map(|j| (3..width - 3).map(move |i| (j, i))) {
+            let around =
+                (j - 3..=j + 3).flat_map(|j| &exact.depth[j * width + i - 3..=j * width + i + 3]);
+            let [least, most] = around.fold([f32::INFINITY, 0.0], |[least, most], &depth| {
+                [depth.min(least), depth.max(most)]
+            });
+            let depth = detail.depth[j * width + i];
+            looked += 1;
+            let is_wrong = if least == f32::INFINITY {
+                depth.is_finite()
+            } else {
+                most.is_finite() && !(0.9 * least..=1.1 * most).contains(&depth)
+            };
+            wrong += u32::from(is_wrong);
+        }
+        if wrong > 0 {
+            lost.push((k, wrong));
+        }
+    }
+    println!("{looked} pixels");
+    assert!(looked > 1_000_000);
+    assert!(lost.is_empty(), "views and pixels: {lost:?}");
 }
 
 /// As an eye rises over a flat photo of noise, the image gets evener: not all at once, where all

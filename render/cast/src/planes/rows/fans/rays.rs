@@ -108,7 +108,7 @@ impl<L: Lanes> March<'_, L> {
                 start = start.max(top / horizon as f32);
             }
             if begin == fan.from && begin > 0 {
-                match self.seen_before(begin - 1, lane + fan.back(plane), scratch) {
+                match self.seen_before(fan, plane, scratch) {
                     Some(t) if t < 0.0 => continue,
                     Some(t) => start = start.max(t),
                     None => {}
@@ -122,19 +122,25 @@ impl<L: Lanes> March<'_, L> {
         rays
     }
 
-    /// How far the rays around a place in the step before a fan reach, at least: all that are
-    /// higher see nothing nearer. Less than 0 where they meet nothing.
-    fn seen_before(&self, step: u32, lane: f64, scratch: &Scratch) -> Option<f32> {
-        let [from, to] = scratch.lanes[step as usize % MEMORY];
-        if from >= to {
+    /// How far the rays around a plane of a fan reach in the step before, at least: all that are higher see
+    /// nothing nearer. Less than 0 where they meet nothing. `None` where there are no such rays, and where
+    /// they lie so far apart, beside the vanishing point, that all of the ground may lie between them.
+    fn seen_before(&self, fan: &Fan, plane: usize, scratch: &Scratch) -> Option<f32> {
+        /// Planes from a ray to the next.
+        const MOST: f64 = 2.0;
+        let step = fan.from - 1;
+        if fan.planes_to_lane(step) > MOST {
             return None;
         }
-        let lane = lane.floor() as i32;
-        let reached = [lane, lane + 1].map(|lane| {
-            let lane = lane.clamp(from, to - 1) as usize;
-            scratch.reached[self.slot(step) + MARGIN + lane]
-        });
-        let [least, most] = [reached[0].min(reached[1]), reached[0].max(reached[1])];
+        let [from, to] = scratch.lanes[step as usize % MEMORY];
+        let lane = fan.lane(step, plane).floor() as i32;
+        if lane < from || to <= lane + 1 {
+            // One ray alone may come over the ground later than the plane.
+            return None;
+        }
+        let at = self.slot(step) + MARGIN + lane as usize;
+        let [one, other] = [scratch.reached[at], scratch.reached[at + 1]];
+        let [least, most] = [one.min(other), one.max(other)];
         Some(if least < 0.0 { most } else { least })
     }
 }
