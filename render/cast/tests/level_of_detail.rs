@@ -315,6 +315,46 @@ fn no_ground_is_lost_and_none_is_made_up() {
     assert!(lost.is_empty(), "views and pixels: {lost:?}");
 }
 
+/// As a table's terrain grows, resolutions change, and at last rays take over from planes altogether: no
+/// picture differs from the one before it by more than those around do.
+#[test]
+fn a_zoom_is_calm() {
+    const FRAMES: i32 = 160;
+    let scene = Scene::new(mountains().with_photo(photo()));
+    for eye in [[0.0, -0.7, 0.6], [0.5, -1.2, 0.5]] {
+        let table = standpoints::at_table(&scene.ground, DVec3::from_array(eye), [320, 200]);
+        let middle = 0.5 * (table.window.lower_right + table.window.upper_left);
+        let views: Vec<_> = (0..=FRAMES)
+            .map(|frame| {
+                let scale = 2.0 * 8.0_f64.powf(-f64::from(frame) / f64::from(FRAMES));
+                let window = table
+                    .window
+                    .map(|corner| middle + scale * (corner - middle));
+                View { window, ..table }
+            })
+            .collect();
+        let images = cast(Planes::WITH_DETAIL, &scene, &views);
+        let changes: Vec<_> = images
+            .windows(2)
+            .map(|pair| {
+                let colours = pair[0].colour().iter().zip(pair[1].colour());
+                let change = |(a, b): (&[u8; 4], &[u8; 4])| {
+                    (0..3).map(|k| f64::from(a[k].abs_diff(b[k]))).sum::<f64>()
+                };
+                colours.map(change).sum::<f64>()
+            })
+            .collect();
+        let mut most = 0.0_f64;
+        for around in changes.windows(9) {
+            let mut sorted = around.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            most = most.max(around[4] / sorted[4]);
+        }
+        println!("a change is up to {most:.2} times those around it");
+        assert!(most < 1.2, "{most}");
+    }
+}
+
 /// As an eye rises over a flat photo of noise, the image gets evener: not all at once, where all
 /// pixels come to a coarser level.
 #[test]
