@@ -95,7 +95,12 @@ impl Shader<'_> {
                     let tiles = &texture.frame.tiles;
                     for at in (0..chunk.count).step_by(LANES) {
                         if shading.on[at / LANES] & shading.rest[at / LANES] != 0 {
-                            for half in &shading.halves {
+                            let halves = if shading.filters.two[at / LANES] == 0 {
+                                1
+                            } else {
+                                2
+                            };
+                            for half in &shading.halves[..halves] {
                                 let place = group(&half.at, at);
                                 l.prefetch::<_, 1>(&tiles.items, place, 0);
                                 l.prefetch::<_, 1>(&tiles.items, place, tiles.stride as i32);
