@@ -176,7 +176,7 @@ impl Shader<'_> {
             } else if is_photo {
                 let reached = l.load(group(chunk.reached, at));
                 let advance = l.load(group(chunk.advance, at));
-                let middle = texture.from_eye(l, reached, advance);
+                let middle = texture.place_of(l, reached, advance);
                 let (located, on) = texture.locate_small(l, l.mask(wanted), middle);
                 shading.on[number] = l.bits(on);
                 shading.filters.two[number] = 0;
@@ -220,7 +220,7 @@ impl Shader<'_> {
             }
             let reached = l.load(group(chunk.reached, at));
             let advance = l.load(group(chunk.advance, at));
-            let middle = texture.from_eye(l, reached, advance);
+            let middle = texture.place_of(l, reached, advance);
             let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
             shading.on[number] = l.bits(on);
             for (to, half) in shading.halves.iter_mut().zip(&located) {
