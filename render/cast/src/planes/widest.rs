@@ -69,6 +69,7 @@ mod tests {
     use crate::{Image, PreparedScene, Scene, Scheme, standpoints};
     use sandtable_terrain::Ground;
     use sandtable_view::{Attitude, Camera, View};
+    use std::f64::consts::FRAC_PI_2;
 
     fn camera(eye: [f64; 3], [yaw, pitch, roll]: [f64; 3], size: [u32; 2]) -> View {
         let attitude = Attitude { yaw, pitch, roll };
@@ -97,7 +98,7 @@ mod tests {
             if col == 0 { -10.0 } else { 0.0 }
         })
         .expect("a sound grid");
-        let view = camera([100.0, 200.0, 40.0], [0.0, -1.570_796_3, 0.0], [101, 101]);
+        let view = camera([100.0, 200.0, 40.0], [0.0, -FRAC_PI_2, 0.0], [101, 101]);
         // 50 m below, in cells of 2 m.
         let expected = 50.0 * 2.0 * 0.5_f64.tan() / 101.0 / 2.0;
         let widest = widest(&view, &ground);
