@@ -194,7 +194,7 @@ impl<'a> Shader<'a> {
                 l.store_i(photo.tiles.place(l, x, y), &mut places);
                 l.prefetch::<_, 2>(&photo.tiles.items, &places, 0);
             } else if let Some(photo) = &self.textures[0] {
-                let (located, _) = photo.locate_small(l, hit, photo.place_of(l, t, advance));
+                let (located, _) = photo.locate_small(l, hit, photo.pixels_to(l, t, advance));
                 l.store_i(located.at, &mut places);
                 l.prefetch::<_, 2>(&photo.frame.tiles.items, &places, 0);
             }

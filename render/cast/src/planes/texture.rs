@@ -111,7 +111,7 @@ impl<'a> Mipmapped<'a> {
 
     /// Where hits are: how many finest pixels from the eye along major and minor axis.
     #[inline(always)]
-    pub(super) fn place_of<L: Lanes>(&self, l: L, reached: L::F, advance: L::F) -> [L::F; 2] {
+    pub(super) fn pixels_to<L: Lanes>(&self, l: L, reached: L::F, advance: L::F) -> [L::F; 2] {
         let [major, minor] = self.scale;
         [
             l.mul(reached, l.splat(major)),

@@ -95,11 +95,7 @@ impl Shader<'_> {
                     let tiles = &texture.frame.tiles;
                     for at in (0..chunk.count).step_by(LANES) {
                         if shading.on[at / LANES] & shading.rest[at / LANES] != 0 {
-                            let halves = if shading.filters.two[at / LANES] == 0 {
-                                1
-                            } else {
-                                2
-                            };
+                            let halves = 1 + usize::from(shading.filters.two[at / LANES] != 0);
                             for half in &shading.halves[..halves] {
                                 let place = group(&half.at, at);
                                 l.prefetch::<_, 1>(&tiles.items, place, 0);
@@ -176,7 +172,7 @@ impl Shader<'_> {
             } else if is_photo {
                 let reached = l.load(group(chunk.reached, at));
                 let advance = l.load(group(chunk.advance, at));
-                let middle = texture.place_of(l, reached, advance);
+                let middle = texture.pixels_to(l, reached, advance);
                 let (located, on) = texture.locate_small(l, l.mask(wanted), middle);
                 shading.on[number] = l.bits(on);
                 shading.filters.two[number] = 0;
@@ -220,7 +216,7 @@ impl Shader<'_> {
             }
             let reached = l.load(group(chunk.reached, at));
             let advance = l.load(group(chunk.advance, at));
-            let middle = texture.place_of(l, reached, advance);
+            let middle = texture.pixels_to(l, reached, advance);
             let (located, on) = texture.locate(l, l.mask(wanted), middle, &halves);
             shading.on[number] = l.bits(on);
             for (to, half) in shading.halves.iter_mut().zip(&located) {
