@@ -27,16 +27,16 @@ impl<L: Lanes> PlaneGroup<L> {
         }
     }
 
-    /// From which to which mirrored cell of the minor axis they reach, up to where they come in `t`
-    /// cells from where they are in `from` cells.
-    #[inline(always)]
-    fn cells(&self, field: &Field<'_>, [from, to]: [f32; 2]) -> [i32; 2] {
-        let [first, last] = self.outer;
-        [
-            field.minor.cell_alone(first.min(last) * from),
-            field.minor.cell_alone(first.max(last) * to),
-        ]
-    }
+}
+
+/// From which to which mirrored cell of the minor axis planes reach, of which the outermost advance by
+/// `outer`, up to where they come in `to` cells from where they are in `from` cells.
+#[inline(always)]
+fn cells_of(field: &Field<'_>, [first, last]: [f32; 2], [from, to]: [f32; 2]) -> [i32; 2] {
+    [
+        field.minor.cell_alone(first.min(last) * from),
+        field.minor.cell_alone(first.max(last) * to),
+    ]
 }
 
 /// Levels of blocks that planes may pass at once, as [`roofs`](super::roofs) has them: the larger
@@ -46,13 +46,13 @@ pub(super) const PASSED: [usize; 3] = [6, 5, 4];
 /// The smallest of them.
 const LEAST_PASSED: usize = PASSED[PASSED.len() - 1];
 
-/// How high over the eye, in metres, the ground rises at most that two neighbouring groups of planes
-/// pass between the mirrored line `line` and the one that lies 2 ^ `level` cells further; `None` where
-/// blocks do not begin at that line, or the ground ends before.
+/// How high over the eye, in metres, the ground rises at most that two neighbouring groups of planes, of
+/// which the outermost advance by `outer`, pass between the mirrored line `line` and the one that lies
+/// 2 ^ `level` cells further; `None` where blocks do not begin at that line, or the ground ends before.
 #[inline(always)]
-pub(super) fn ceiling<L: Lanes>(
+pub(super) fn ceiling(
     field: &Field<'_>,
-    groups: [&PlaneGroup<L>; 2],
+    outer: [[f32; 2]; 2],
     line: i32,
     level: usize,
 ) -> Option<f32> {
@@ -63,7 +63,7 @@ pub(super) fn ceiling<L: Lanes>(
         return None;
     }
     let from = line as f32 - major.fraction;
-    let [one, other] = groups.map(|planes| planes.cells(field, [from, from + size as f32]));
+    let [one, other] = outer.map(|outer| cells_of(field, outer, [from, from + size as f32]));
     let cells = [one[0].min(other[0]), one[1].max(other[1])];
     let cells = cells.map(|cell| minor.ground_alone(cell) >> level);
     let along = major.ground_alone(line);
@@ -246,18 +246,19 @@ impl<L: Lanes> Crossing<L> {
     /// The near and the far posts around planes, wherever they lie.
     #[inline(always)]
     fn heights_apart(&self, l: L, field: &Field<'_>) -> [L::F; 2] {
+        let Self { line, cell, .. } = *self;
         l.vectorize(
             #[inline(always)]
-            || {
+            move || {
                 // A line's posts are the near ones of the cell behind it; the last one's the far
                 // ones of the last cell.
                 let last = field.major.cells[1];
-                let place = field.place(l, [l.splat_i(self.line.min(last)), self.cell]);
+                let place = field.place(l, [l.splat_i(line.min(last)), cell]);
                 let mut places = [0; LANES];
                 l.store_i(place, &mut places);
                 let posts = l.cells(&field.heights.items, &places, field.heights.stride);
                 let [near, far_major, far_minor, both] = corners::<L>(field, posts);
-                if self.line > last {
+                if line > last {
                     [far_major, both]
                 } else {
                     [near, far_minor]
@@ -269,17 +270,20 @@ impl<L: Lanes> Crossing<L> {
     /// Colours, wherever their posts lie.
     #[inline(always)]
     fn colours_apart(&self, l: L, field: &Field<'_>, colours: &Tiles<'_, [u8; 4]>) -> L::I {
+        let Self {
+            line, cell, share, ..
+        } = *self;
         l.vectorize(
             #[inline(always)]
-            || {
+            move || {
                 let last = field.major.cells[1];
-                let [x, y] = field.cells(l, l.splat_i(self.line.min(last)), self.cell);
+                let [x, y] = field.cells(l, l.splat_i(line.min(last)), cell);
                 let mut places = [0; LANES];
                 l.store_i(colours.place(l, x, y), &mut places);
                 let (zero, one) = (l.splat(0.0), l.splat(1.0));
-                let is_high = (self.line > last) == (field.major.sign > 0);
+                let is_high = (line > last) == (field.major.sign > 0);
                 let major = if is_high { one } else { zero };
-                let minor = l.max(l.min(self.share, one), zero);
+                let minor = l.max(l.min(share, one), zero);
                 let minor = if field.minor.sign > 0 {
                     minor
                 } else {
@@ -593,9 +597,10 @@ mod tests {
         each_field(|field, ground, _| {
             for ([first, more], level) in GROUPS.into_iter().zip([4, 6, 4, 6]) {
                 let groups = [0.0, 16.0].map(|k| planes(first + more * k, more));
+                let outer = groups.each_ref().map(|planes| planes.outer);
                 let (mut found, mut highest) = (0, 0.0_f64);
                 for line in field.major.cells[0]..=field.major.cells[1] + 1 {
-                    let Some(most) = ceiling(field, groups.each_ref(), line, level) else {
+                    let Some(most) = ceiling(field, outer, line, level) else {
                         continue;
                     };
                     let most = f64::from(most + field.eye_height);

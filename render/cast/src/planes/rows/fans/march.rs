@@ -4,7 +4,7 @@ use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
 use super::rays::Rays;
-use super::sight::{SAME, Sight};
+use super::sight::{Outlook, SAME, Sight};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::field::Field;
 use crate::planes::profile::{PASSED, ceiling};
@@ -138,10 +138,12 @@ impl<L: Lanes> March<'_, L> {
             }
             if field.major.is_block(line) {
                 if is_idle {
-                    // Apart, and made for the instruction set: it is seldom asked for.
+                    // Apart, and made for the instruction set: it is seldom asked for. It gets copies, as
+                    // what it might reach would have to lie in memory, all of the time.
+                    let (outlooks, limit) = ([left.outlook(), right.outlook()], at.limit);
                     let passed = l.vectorize(
                         #[inline(always)]
-                        || passed(l, field, [left, right], line, t, at.limit),
+                        move || passed(l, field, outlooks, line, t, limit),
                     );
                     if let Some(behind) = passed {
                         line = behind;
@@ -195,7 +197,7 @@ impl<L: Lanes> March<'_, L> {
 fn passed<L: Lanes>(
     l: L,
     field: &Field<'_>,
-    [left, right]: [&Sight<L>; 2],
+    [left, right]: [Outlook<L>; 2],
     line: i32,
     t: f32,
     limit: f32,
@@ -204,7 +206,7 @@ fn passed<L: Lanes>(
         let behind = line + (1 << level);
         let end = (behind as f32 - field.major.fraction) * field.scale;
         if end <= limit
-            && let Some(ceiling) = ceiling(field, [&left.planes, &right.planes], line, level)
+            && let Some(ceiling) = ceiling(field, [left.outer, right.outer], line, level)
             && left.hides(l, ceiling, [t, end])
             && right.hides(l, ceiling, [t, end])
         {

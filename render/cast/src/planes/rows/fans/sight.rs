@@ -78,6 +78,27 @@ pub(super) struct Sight<L: Lanes> {
     colours: [L::I; 2],
 }
 
+/// What sixteen planes may still see.
+pub(super) struct Outlook<L: Lanes> {
+    /// By how much the first and the last plane advance.
+    pub(super) outer: [f32; 2],
+    live: L::M,
+    horizon: L::F,
+}
+
+impl<L: Lanes> Outlook<L> {
+    /// Whether ground no higher than `ceiling` over the eye is hidden from one t to another.
+    #[inline(always)]
+    pub(super) fn hides(&self, l: L, ceiling: f32, [from, to]: [f32; 2]) -> bool {
+        let ceiling = l.splat(ceiling);
+        let below = l.and(
+            l.lt(ceiling, l.mul(self.horizon, l.splat(from))),
+            l.lt(ceiling, l.mul(self.horizon, l.splat(to))),
+        );
+        l.bits(l.and_not(self.live, below)) == 0
+    }
+}
+
 impl<L: Lanes> Sight<L> {
     /// Of planes that have seen nothing yet, in whose fan a pixel's number lies `period` behind that
     /// of the one below it.
@@ -134,15 +155,14 @@ impl<L: Lanes> Sight<L> {
         self.live = l.and(self.live, l.lt(l.splat(t), self.leave));
     }
 
-    /// Whether ground no higher than `ceiling` over the eye is hidden from one t to another.
+    /// What tells which ground is hidden.
     #[inline(always)]
-    pub(super) fn hides(&self, l: L, ceiling: f32, [from, to]: [f32; 2]) -> bool {
-        let ceiling = l.splat(ceiling);
-        let below = l.and(
-            l.lt(ceiling, l.mul(self.horizon, l.splat(from))),
-            l.lt(ceiling, l.mul(self.horizon, l.splat(to))),
-        );
-        l.bits(l.and_not(self.live, below)) == 0
+    pub(super) fn outlook(&self) -> Outlook<L> {
+        Outlook {
+            outer: self.planes.outer,
+            live: self.live,
+            horizon: self.horizon,
+        }
     }
 
     /// The piece from the last line, at `t`, to the mirrored line `line`, at `end`. Planes that have
