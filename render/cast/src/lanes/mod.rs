@@ -73,6 +73,11 @@ pub(crate) trait Lanes: Copy {
     fn splat(self, value: f32) -> Self::F;
     fn load(self, from: &[f32; LANES]) -> Self::F;
     fn store(self, value: Self::F, to: &mut [f32; LANES]);
+    /// As `store`, in the lanes of `mask`.
+    #[inline(always)]
+    fn store_where(self, mask: Self::M, value: Self::F, to: &mut [f32; LANES]) {
+        self.store(self.select(mask, value, self.load(to)), to);
+    }
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;

@@ -345,7 +345,7 @@ fn end<L: Lanes, const KEEPS: bool>(
     }
     let reached = group_mut(reached, first);
     let hit_t = l.mul(met.hit_t, l.splat(field.scale));
-    l.store(l.select(hit, hit_t, l.load(reached)), reached);
+    l.store_where(hit, hit_t, reached);
     let going = l.and_not(l.and(mask, l.lt(crossing.next, ray.leave)), hit);
     if l.bits(going) == 0 {
         return;

@@ -168,7 +168,8 @@ impl<'a> Shader<'a> {
     ) {
         let from = chunk.directions.at(chunk.step, chunk.first + at as i32);
         let to = from + chunk.directions.step;
-        let rise = (to.z / to.x - from.z / from.x) / (from.z / from.x).abs();
+        // By how much more of itself than the first ray's slope the second one's is higher: one division.
+        let rise = (to.z * from.x - from.z * to.x) / (to.x * from.z.abs());
         let rows = f64::from(chunk.reached[at].abs()) * rise;
         if rows > MOST_ROWS {
             return;

@@ -174,12 +174,17 @@ impl<L: Lanes> March<'_, L> {
                 let mut other_paint = right.paint(l, field, &other);
                 loop {
                     let over = left.over(l, &piece);
-                    let other_over = right.over(l, &other);
-                    if l.bits(l.or(over, other_over)) == 0 {
+                    if l.bits(over) == 0 {
                         break;
                     }
                     left.finish(l, over, &mut piece, &mut paint, same, seen);
-                    right.finish(l, other_over, &mut other, &mut other_paint, same, seen);
+                }
+                loop {
+                    let over = right.over(l, &other);
+                    if l.bits(over) == 0 {
+                        break;
+                    }
+                    right.finish(l, over, &mut other, &mut other_paint, same, seen);
                 }
                 left.add(l, &piece, &paint);
                 right.add(l, &other, &other_paint);
