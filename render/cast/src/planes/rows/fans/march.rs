@@ -172,19 +172,20 @@ impl<L: Lanes> March<'_, L> {
                 is_idle = false;
                 let mut paint = left.paint(l, field, &piece);
                 let mut other_paint = right.paint(l, field, &other);
-                loop {
-                    let over = left.over(l, &piece);
-                    if l.bits(over) == 0 {
-                        break;
+                if L::IS_ONE_REGISTER {
+                    loop {
+                        let over = left.over(l, &piece);
+                        let other_over = right.over(l, &other);
+                        if l.bits(l.or(over, other_over)) == 0 {
+                            break;
+                        }
+                        left.finish(l, over, &mut piece, &mut paint, same, seen);
+                        right.finish(l, other_over, &mut other, &mut other_paint, same, seen);
                     }
-                    left.finish(l, over, &mut piece, &mut paint, same, seen);
-                }
-                loop {
-                    let over = right.over(l, &other);
-                    if l.bits(over) == 0 {
-                        break;
-                    }
-                    right.finish(l, over, &mut other, &mut other_paint, same, seen);
+                } else {
+                    // Sixteen are enough to do at once, and seldom have as many borders to pass as the others.
+                    left.finish_all(l, &mut piece, &mut paint, same, seen);
+                    right.finish_all(l, &mut other, &mut other_paint, same, seen);
                 }
                 left.add(l, &piece, &paint);
                 right.add(l, &other, &other_paint);

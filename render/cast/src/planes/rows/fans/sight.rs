@@ -293,6 +293,25 @@ impl<L: Lanes> Sight<L> {
         self.live = l.and_not(self.live, is_done);
     }
 
+    /// As `finish`, of all pixels whose upper borders a piece rises over.
+    #[inline(always)]
+    pub(super) fn finish_all(
+        &mut self,
+        l: L,
+        piece: &mut Piece<L>,
+        paint: &mut Paint<L>,
+        same: f32,
+        seen: &mut [[i32; 2]],
+    ) {
+        loop {
+            let over = self.over(l, piece);
+            if l.bits(over) == 0 {
+                return;
+            }
+            self.finish(l, over, piece, paint, same, seen);
+        }
+    }
+
     /// Adds what is left of a piece to the pixels under the next borders.
     #[inline(always)]
     pub(super) fn add(&mut self, l: L, piece: &Piece<L>, paint: &Paint<L>) {
