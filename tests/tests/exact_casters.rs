@@ -11,7 +11,7 @@ use sandtable_terrain::Ground;
 use sandtable_tests::Random;
 use sandtable_tests::exactness::{Fault, Verdict, judge};
 use sandtable_tests::random_views::{Case, Kind, case};
-use sandtable_view::{Attitude, Camera, Ray, View};
+use sandtable_view::{Attitude, Camera, Ray, Screen, View};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use std::path::PathBuf;
@@ -128,6 +128,63 @@ fn the_exact_caster_sees_what_is_measured() {
             let verdict = judge(&bench.scene, &standpoint.view, &image);
             println!("{name} {}: {verdict}", standpoint.name);
             assert_eq!(verdict.wrong(), 0, "{name} {}: {verdict}", standpoint.name);
+        }
+    }
+}
+
+/// What the judge says of the exact caster's image.
+fn verdict_of(scene: &Arc<Scene>, view: View) -> Verdict {
+    let caster = caster_by_name(CASTER).expect("a caster's name");
+    let pool = CastPool::new(0).expect("threads");
+    let image = pool.picture(&*caster, scene, view);
+    judge(scene, &view, &image.expect("any view will do"))
+}
+
+/// Far away a ray's place is rounded by more than a ray that passes right over a flat roof's edge has left
+/// to it, where the wall behind that edge, if it went on upwards, would be higher by twenty times as much.
+#[test]
+fn rays_that_just_pass_over_an_edge_do_not_meet_the_wall_behind() {
+    let roofs = |col: u32, row: u32| {
+        if (col / 7 + row / 5).is_multiple_of(2) {
+            8020.0
+        } else {
+            8000.0
+        }
+    };
+    let ground = Ground::from_fn(258, 514, DVec2::ONE, roofs).expect("a sound grid");
+    let view = View {
+        eye: DVec3::new(318.31, 203.77, 8029.03),
+        window: Screen {
+            lower_left: DVec3::new(-98.44, 124.78, 8010.58),
+            lower_right: DVec3::new(74.86, 90.53, 8010.58),
+            upper_left: DVec3::new(-98.44, 815.41, 8010.58),
+        },
+        size: [640, 640],
+    };
+    let verdict = verdict_of(&Scene::new(ground), view);
+    assert_eq!(verdict.wrong(), 0, "{verdict}");
+}
+
+/// A pixel's ray that goes straight down beside the ground meets none, and all around it see what there is.
+#[test]
+fn straight_down_beside_the_ground_there_is_none() {
+    let hills = |col: u32, row: u32| 20.0 * (0.3 * f64::from(col + 2 * row)).sin() as f32;
+    let ground = Ground::from_fn(65, 65, DVec2::new(30.0, 22.5), hills).expect("a sound grid");
+    let scene = Scene::new(ground);
+    for (x, y) in [(690.0, 1620.0), (-60.0, 450.0), (1950.0, -45.0)] {
+        for yaw in [0.0, FRAC_PI_4, 0.3] {
+            let attitude = Attitude {
+                yaw,
+                pitch: -FRAC_PI_2,
+                roll: 0.0,
+            };
+            let camera = Camera {
+                eye: DVec3::new(x, y, 870.0),
+                attitude,
+                horizontal_fov: 1.5,
+            };
+            let verdict = verdict_of(&scene, camera.view([97, 61]));
+            assert_eq!(verdict.wrong(), 0, "{verdict} from {x}, {y}, by {yaw}");
         }
     }
 }

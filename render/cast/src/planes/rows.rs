@@ -39,6 +39,10 @@ use crate::tally::Tally;
 const UNFINISHED: usize = LANES;
 const UNFINISHED_OVER_LARGE: usize = 2 * LANES;
 
+/// How many cells a ray goes down for each one along the major axis that is straight down, as far as
+/// directions in 32 bits tell.
+const STRAIGHT_DOWN: f32 = 4e6;
+
 /// All that one sector's cast knows.
 struct March<'a, L: Lanes> {
     l: L,
@@ -56,6 +60,8 @@ struct March<'a, L: Lanes> {
     steepest: Vec<f64>,
     /// Where the ground begins and ends, in cells from the eye along major and minor axis.
     bounds: [[f32; 2]; 2],
+    /// The slope, metres for each 1 of t, of rays that cannot be told from one straight down.
+    straight_down: f32,
 }
 
 /// Casts a sector's pixels.
@@ -208,6 +214,7 @@ impl<'a, L: Lanes> March<'a, L> {
             // Coarser cells may reach out over the ground's border: it ends where it ends.
             field.ends = bounds.map(|[_, end]| end / field.scale);
         }
+        let spacing = frame.ground.grid().spacing.to_array();
         let [x, y, w] = frame.rays.vertical();
         let (across, along) = if sector.step_axis == 0 {
             (y, x)
@@ -231,6 +238,7 @@ impl<'a, L: Lanes> March<'a, L> {
             vertical,
             steepest,
             bounds,
+            straight_down: -STRAIGHT_DOWN * spacing[sector.major] as f32,
         }
     }
 

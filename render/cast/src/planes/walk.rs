@@ -361,9 +361,11 @@ pub(super) fn cross<L: Lanes>(
     let by_minor = l.sub(far_minor, both);
     let by_major = l.sub(far_major, both);
     let by_none = l.sub(near, both);
-    // The clearance at t.
-    let major_left = l.sub(to_major, t);
-    let minor_left = l.sub(to_minor, l.mul(t, ray.advance));
+    // The clearance at t. Far away t is rounded by so much that a ray may stand before the line over which it
+    // came into the cell; a cliff that goes down behind that line would be as much higher there.
+    let one = l.splat(1.0);
+    let major_left = l.min(l.sub(to_major, t), one);
+    let minor_left = l.min(l.sub(to_minor, l.mul(t, ray.advance)), one);
     let twist = l.sub(l.sub(by_none, by_major), by_minor);
     let falls_minor = l.add(by_major, l.mul(twist, major_left));
     let height = l.add(l.mul(by_minor, major_left), l.mul(minor_left, falls_minor));

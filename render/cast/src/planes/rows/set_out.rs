@@ -203,6 +203,11 @@ impl<L: Lanes> March<'_, L> {
         if minor_begin > 0.0 {
             enter = l.max(enter, l.mul(l.splat(minor_begin), inverse));
         }
+        if major_begin > 0.0 || minor_begin > 0.0 {
+            // Straight down beside the ground there is none, however deep; which tells nothing of other rays.
+            let leans = l.lt(l.splat(self.straight_down), slope);
+            leave = l.select(leans, leave, zero);
+        }
         ok = l.and(ok, l.lt(enter, leave));
         Stay { ok, enter, leave }
     }
