@@ -489,8 +489,16 @@ impl Lanes for Avx2 {
                     // SAFETY: no place is beyond the last pair, nor before the first.
                     unsafe {
                         let at = _mm256_extracti128_si256::<$quarter>(at);
-                        write_two(to, _mm_cvtsi128_si64(at), _mm256_extracti128_si256::<$quarter>(low));
-                        write_two(to, _mm_extract_epi64::<1>(at), _mm256_extracti128_si256::<$quarter>(high));
+                        write_two(
+                            to,
+                            _mm_cvtsi128_si64(at),
+                            _mm256_extracti128_si256::<$quarter>(low),
+                        );
+                        write_two(
+                            to,
+                            _mm_extract_epi64::<1>(at),
+                            _mm256_extracti128_si256::<$quarter>(high),
+                        );
                     }
                 };
             }

@@ -26,7 +26,6 @@ impl<L: Lanes> PlaneGroup<L> {
             drift: (0.5 * (outer[0] + outer[1]) * ROWS_AHEAD as f32) as i32,
         }
     }
-
 }
 
 /// From which to which mirrored cell of the minor axis planes reach, of which the outermost advance by
