@@ -28,6 +28,20 @@ each_isa! {
         }
     }
 
+    fn lanes_are_stored_where_a_mask_says<L>(l) {
+        let mut random = Random::new();
+        for _ in 0..GROUPS {
+            let bits = random.next() as u16;
+            let (a, before) = (random.lanes(Random::float), random.lanes(Random::float));
+            let mut found = before;
+            l.store_where(l.mask(bits), l.load(&a), &mut found);
+            let expected: Vec<u32> = (0..LANES)
+                .map(|k| if truths(bits)[k] { a[k] } else { before[k] }.to_bits())
+                .collect();
+            assert_eq!(found.map(f32::to_bits).to_vec(), expected, "on {}", type_name::<L>());
+        }
+    }
+
     fn pairs_of_lanes_are_scattered_to_their_places<L>(l) {
         let mut random = Random::new();
         for len in [1, 15, 16, 100] {
