@@ -3,7 +3,6 @@
 use super::field::Tiles;
 use super::frame::Level;
 use super::roofs::Roofs;
-use super::rows::FAR;
 use super::steepness::Steepness;
 use crate::CastError;
 use crate::lanes::LANES;
@@ -12,6 +11,18 @@ use rayon::prelude::*;
 use sandtable_terrain::{
     Drape, Ground, HeightPyramid, Mipmap, Photo, TileIndex, TiledRaster, hypsometric,
 };
+
+/// How many posts a pixel covers at most in views of which each pixel's ray is cast over the ground's own
+/// resolution: so magnified, it shows how cells are twisted, which planes do not see.
+const MAGNIFIED: f64 = 0.5;
+
+/// How many posts a pixel covers, about, from which on it may lie between planes in other views; what is
+/// nearer, right before the eye, has rays there, too.
+const NEAR: f32 = 0.02;
+
+/// How many posts lie from a photo's pixel to the next where planes, which see colours at posts, would
+/// lose some of it.
+const FINER: f64 = 0.75;
 
 /// How detail is chosen.
 #[derive(Clone, Copy, Debug)]
@@ -180,16 +191,30 @@ impl Detail {
             .collect()
     }
 
+    /// Whether the photo has more pixels than the ground has posts: planes see colours at posts.
+    fn has_finer_photo(&self) -> bool {
+        let finest = |photo: &Texture| photo.spacing[0].min(photo.spacing[1]);
+        self.photo
+            .as_ref()
+            .is_some_and(|photo| finest(photo) < FINER)
+    }
+
     /// How many posts pixels may cover up to which all rays go over the ground's own resolution.
     pub(super) fn widest_in_finest(&self) -> f64 {
+        let most = if self.has_finer_photo() {
+            1.0
+        } else {
+            MAGNIFIED
+        };
         // From two of what is asked for to a cell on a ray changes to the next level.
-        f64::from(FAR).min(2.0 / self.options.cell)
+        most.min(2.0 / self.options.cell)
     }
 
     pub(super) fn frame(&self) -> DetailFrame<'_> {
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
+            far: if self.has_finer_photo() { 1.0 } else { NEAR },
             photo: self
                 .photo
                 .as_ref()
@@ -208,6 +233,8 @@ pub(super) struct DetailFrame<'a> {
     pub(super) cell: f32,
     /// The width of the filter of near ground's colours in pixels.
     pub(super) blur: f32,
+    /// How many posts a pixel covers, about, from which on it may lie between planes.
+    pub(super) far: f32,
     pub(super) photo: Option<TextureFrame<'a>>,
     pub(super) tints: Option<TextureFrame<'a>>,
 }
@@ -268,18 +295,32 @@ mod tests {
     fn ground_is_coarsened_where_pixels_come_to_be_wider_than_asked_for() {
         let height = |col: u32, row: u32| ((col * 7 + row * 3) % 11) as f32;
         let ground = Ground::from_fn(400, 300, DVec2::ONE, height).expect("a sound grid");
-        let scene = Scene::new(ground);
-        let coarsens = |cell: f64, size: [u32; 2]| {
-            let options = DetailOptions { cell, blur: 1.9 };
-            let scene = PlanesScene::new(Isa::best(), Some(options), scene.clone());
-            let eye = DVec3::new(0.0, -0.7, 0.6);
-            let view = standpoints::at_table(&scene.scene.ground, eye, size);
-            let frame = scene.frame(&view).expect("a proper view");
-            assert_eq!(frame.coarsens, frame.levels.len() > 1);
-            frame.coarsens
+        // With so many pixels to a post along each side.
+        let photo = |pixels: u32| Photo {
+            pixels: TiledRaster::from_fn(400 * pixels, 300 * pixels, |_, _| [9, 9, 9, 255]),
+            origin: DVec2::ZERO,
+            spacing: DVec2::splat(1.0 / f64::from(pixels)),
         };
-        assert!(!coarsens(1.5, [1600, 1000]));
-        assert!(coarsens(1.5, [320, 200]));
-        assert!(coarsens(8.0, [1600, 1000]));
+        let scenes = [
+            ground.clone(),
+            ground.clone().with_photo(photo(1)),
+            ground.with_photo(photo(2)),
+        ];
+        let coarsens = |cell: f64, size: [u32; 2]| {
+            scenes.each_ref().map(|ground| {
+                let options = DetailOptions { cell, blur: 1.9 };
+                let scene = Scene::new(ground.clone());
+                let scene = PlanesScene::new(Isa::best(), Some(options), scene);
+                let eye = DVec3::new(0.0, -0.7, 0.6);
+                let view = standpoints::at_table(&scene.scene.ground, eye, size);
+                let frame = scene.frame(&view).expect("a proper view");
+                assert_eq!(frame.coarsens, frame.levels.len() > 1);
+                frame.coarsens
+            })
+        };
+        assert_eq!(coarsens(1.5, [6400, 4000]), [false; 3]);
+        assert_eq!(coarsens(1.5, [800, 500]), [true, true, false]);
+        assert_eq!(coarsens(1.5, [320, 200]), [true; 3]);
+        assert_eq!(coarsens(8.0, [1600, 1000]), [true; 3]);
     }
 }

@@ -10,6 +10,8 @@ use crate::lanes::{LANES, Lanes, group};
 pub(super) struct PlaneGroup<L: Lanes> {
     /// Cells along the minor axis for each one along the major axis.
     pub(super) advance: L::F,
+    /// One over that.
+    per_advance: L::F,
     /// Of the first and the last plane.
     pub(super) outer: [f32; 2],
     /// How many cells aside they go until the line for whose memory they ask.
@@ -20,8 +22,10 @@ impl<L: Lanes> PlaneGroup<L> {
     #[inline(always)]
     pub(super) fn new(l: L, advance: &[f32; LANES]) -> Self {
         let outer = [advance[0], advance[LANES - 1]];
+        let advance = l.load(advance);
         Self {
-            advance: l.load(advance),
+            advance,
+            per_advance: l.div(l.splat(1.0), l.max(advance, l.splat(f32::MIN_POSITIVE))),
             outer,
             drift: (0.5 * (outer[0] + outer[1]) * ROWS_AHEAD as f32) as i32,
         }
@@ -185,29 +189,33 @@ impl<L: Lanes> Crossing<L> {
         }
     }
 
-    /// The ground's heights over the eye, in metres. Beside the ground its outermost cells' slopes
-    /// go on.
+    /// The heights of the posts around planes, the near and the far ones.
     #[inline(always)]
-    pub(super) fn heights(&self, l: L, field: &Field<'_>, planes: &PlaneGroup<L>) -> L::F {
+    pub(super) fn posts(&self, l: L, field: &Field<'_>, planes: &PlaneGroup<L>) -> [L::F; 2] {
         let posts = match &self.window {
             Some(window) => window.read(l, field, planes, field.heights),
             None => None,
         };
-        let [near, far] = match posts {
+        match posts {
             Some(posts) => {
                 let [near, far] = self.around(l, field, posts);
                 [l.float_of_bits(near), l.float_of_bits(far)]
             }
             None => self.heights_apart(l, field),
-        };
+        }
+    }
+
+    /// The ground's heights over the eye, in metres, between posts. Beside the ground its outermost
+    /// cells' slopes go on.
+    #[inline(always)]
+    pub(super) fn heights(&self, l: L, field: &Field<'_>, [near, far]: [L::F; 2]) -> L::F {
         let height = l.add(near, l.mul(l.sub(far, near), self.share));
         l.sub(height, l.splat(field.eye_height))
     }
 
-    /// The ground's colours, beside the ground those of its border: red and blue, green and alpha,
-    /// in 16 bits each.
+    /// The colours of the posts around planes, the near and the far ones.
     #[inline(always)]
-    pub(super) fn colours(
+    pub(super) fn texels(
         &self,
         l: L,
         field: &Field<'_>,
@@ -218,16 +226,17 @@ impl<L: Lanes> Crossing<L> {
             Some(window) => window.read(l, field, planes, colours),
             None => None,
         };
-        let Some(posts) = posts else {
-            return halves(l, self.colours_apart(l, field, colours));
-        };
-        let [near, far] = self.around(l, field, posts);
-        let share = parts(l, self.share);
-        let (near, far) = (halves(l, near), halves(l, far));
-        [
-            l.lerp_halves(near[0], far[0], share),
-            l.lerp_halves(near[1], far[1], share),
-        ]
+        match posts {
+            Some(posts) => self.around(l, field, posts),
+            None => self.texels_apart(l, field, colours),
+        }
+    }
+
+    /// The ground's colours between posts, beside the ground those of its border: red and blue, green
+    /// and alpha, in 16 bits each.
+    #[inline(always)]
+    pub(super) fn colours(&self, l: L, [near, far]: [L::I; 2]) -> [L::I; 2] {
+        between(l, halves(l, near), halves(l, far), parts(l, self.share))
     }
 
     /// The near and the far posts around planes, among those of the window.
@@ -266,12 +275,10 @@ impl<L: Lanes> Crossing<L> {
         )
     }
 
-    /// Colours, wherever their posts lie.
+    /// The near and the far posts' colours around planes, wherever they lie.
     #[inline(always)]
-    fn colours_apart(&self, l: L, field: &Field<'_>, colours: &Tiles<'_, [u8; 4]>) -> L::I {
-        let Self {
-            line, cell, share, ..
-        } = *self;
+    fn texels_apart(&self, l: L, field: &Field<'_>, colours: &Tiles<'_, [u8; 4]>) -> [L::I; 2] {
+        let Self { line, cell, .. } = *self;
         l.vectorize(
             #[inline(always)]
             move || {
@@ -279,24 +286,91 @@ impl<L: Lanes> Crossing<L> {
                 let [x, y] = field.cells(l, l.splat_i(line.min(last)), cell);
                 let mut places = [0; LANES];
                 l.store_i(colours.place(l, x, y), &mut places);
-                let (zero, one) = (l.splat(0.0), l.splat(1.0));
-                let is_high = (line > last) == (field.major.sign > 0);
-                let major = if is_high { one } else { zero };
-                let minor = l.max(l.min(share, one), zero);
-                let minor = if field.minor.sign > 0 {
-                    minor
-                } else {
-                    l.sub(one, minor)
-                };
-                let [east, north] = if field.major_axis == 0 {
-                    [major, minor]
-                } else {
-                    [minor, major]
-                };
-                l.texels(&colours.items, &places, colours.stride, east, north)
+                // All the way to a post along both axes.
+                let weight = |is_high: bool| l.splat(if is_high { 1.0 } else { 0.0 });
+                let major = weight((line > last) == (field.major.sign > 0));
+                [false, true].map(|is_far| {
+                    let minor = weight(is_far == (field.minor.sign > 0));
+                    let [east, north] = if field.major_axis == 0 {
+                        [major, minor]
+                    } else {
+                        [minor, major]
+                    };
+                    l.texels(&colours.items, &places, colours.stride, east, north)
+                })
             },
         )
     }
+}
+
+/// A place of each plane between two neighbouring lines of posts. From there to either of these its
+/// profile is straight, or nearly so: it is where the plane goes from one cell to the next along the minor
+/// axis, or else half-way, where what bends is the cell's surface alone.
+pub(super) struct Bend<L: Lanes> {
+    /// How much of the way from line to line it is to there.
+    pub(super) share: L::F,
+    /// Which planes go from one cell to the next.
+    crosses: L::M,
+    /// How far into its cell the place lies along the minor axis.
+    aside: L::F,
+}
+
+impl<L: Lanes> Bend<L> {
+    /// Between a line and the next one.
+    #[inline(always)]
+    pub(super) fn new(
+        l: L,
+        planes: &PlaneGroup<L>,
+        before: &Crossing<L>,
+        behind: &Crossing<L>,
+    ) -> Self {
+        let (zero, half, one) = (l.splat(0.0), l.splat(0.5), l.splat(1.0));
+        let crosses = l.gt_i(behind.cell, before.cell);
+        let there = l.mul(l.sub(one, before.share), planes.per_advance);
+        let there = l.max(l.min(there, one), zero);
+        let middle = l.mul(l.add(before.share, behind.share), half);
+        Self {
+            share: l.select(crosses, there, half),
+            crosses,
+            aside: l.select(crosses, zero, middle),
+        }
+    }
+
+    /// The ground's height there over the eye, of which the posts of both lines are known.
+    #[inline(always)]
+    pub(super) fn heights(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        before: [L::F; 2],
+        behind: [L::F; 2],
+    ) -> L::F {
+        // A line of the minor axis leads from the far post of the one line to the near one of the other.
+        let first = l.select(self.crosses, before[1], before[0]);
+        let near = l.add(first, l.mul(l.sub(behind[0], first), self.share));
+        let far = l.add(before[1], l.mul(l.sub(behind[1], before[1]), self.share));
+        let height = l.add(near, l.mul(l.sub(far, near), self.aside));
+        l.sub(height, l.splat(field.eye_height))
+    }
+
+    /// The colours there, likewise.
+    #[inline(always)]
+    pub(super) fn colours(&self, l: L, before: [L::I; 2], behind: [L::I; 2]) -> [L::I; 2] {
+        let first = l.select_i(self.crosses, before[1], before[0]);
+        let share = parts(l, self.share);
+        let near = between(l, halves(l, first), halves(l, behind[0]), share);
+        let far = between(l, halves(l, before[1]), halves(l, behind[1]), share);
+        between(l, near, far, parts(l, self.aside))
+    }
+}
+
+/// Colours in halves so much of the way from one to another.
+#[inline(always)]
+fn between<L: Lanes>(l: L, from: [L::I; 2], to: [L::I; 2], share: L::I) -> [L::I; 2] {
+    [
+        l.lerp_halves(from[0], to[0], share),
+        l.lerp_halves(from[1], to[1], share),
+    ]
 }
 
 /// The bytes 0 and 2 of each lane, and 1 and 3, in 16 bits each.
@@ -561,9 +635,11 @@ mod tests {
                 for line in field.major.cells[0]..=field.major.cells[1] + 1 {
                     let t = line as f32 - field.major.fraction;
                     let crossing = Crossing::new(Portable, field, &planes, line);
-                    let heights = crossing.heights(Portable, field, &planes);
+                    let posts = crossing.posts(Portable, field, &planes);
+                    let heights = crossing.heights(Portable, field, posts);
                     let tiles = field.colours.expect("they were given");
-                    let halves = crossing.colours(Portable, field, &planes, tiles);
+                    let texels = crossing.texels(Portable, field, &planes, tiles);
+                    let halves = crossing.colours(Portable, texels);
                     for (k, (height, advance)) in heights.iter().zip(planes.advance).enumerate() {
                         let (t, aside) = (f64::from(t), f64::from(advance) * f64::from(t));
                         let Some(truth) = ground_height(field, ground, t, aside) else {
@@ -589,6 +665,91 @@ mod tests {
                 assert!(found > 4000, "{found}");
             }
         });
+    }
+
+    /// Bends lie on the ground, too, and nowhere is it far from the straight pieces between: where cells
+    /// are not twisted it is on them.
+    #[test]
+    fn bends_are_the_grounds() {
+        // Ridges and valleys along both axes, of which no cell is twisted.
+        let folded = |col: u32, row: u32| 50.0 + (col * 7 % 5) as f32 + (row * 5 % 7) as f32;
+        let ground = Ground::from_fn(80, 70, DVec2::ONE, folded).expect("a sound grid");
+        let codes = |col: u32, row: u32| (10 + 20 * (col * 7 % 5) + 15 * (row * 5 % 7)) as u8;
+        let colours = TiledRaster::from_fn(80, 70, |col, row| [codes(col, row), 0, 200, 255]);
+        let roofs = Roofs::new(ground.heights());
+        let steepness = Steepness::new(ground.heights());
+        let level = Level::new(ground.heights(), &roofs, &steepness).with_colours(&colours);
+        for k in 0..8 {
+            let major_axis = k & 1;
+            let axis = |axis: usize, sign: i32| {
+                let cells = level.cells[axis];
+                let eye = if sign > 0 {
+                    -3.3
+                } else {
+                    f64::from(cells) + 2.6
+                };
+                Axis::new(eye, cells, sign)
+            };
+            let sign = |bit: usize| if k & bit == 0 { 1 } else { -1 };
+            let axes = [axis(major_axis, sign(2)), axis(1 - major_axis, sign(4))];
+            let mut field = Field::of_level(&level, axes, major_axis);
+            field.eye_height = 7.0;
+            let tiles = field.colours.expect("they were given");
+            let (mut found, mut crossing) = (0, 0);
+            for [first, more] in [[0.3, 1e-3], [0.9, -0.01], [0.05, 0.02]] {
+                let planes = planes(first, more);
+                let line = |line: i32| {
+                    let crossing = Crossing::new(Portable, &field, &planes, line);
+                    let posts = crossing.posts(Portable, &field, &planes);
+                    let heights = crossing.heights(Portable, &field, posts);
+                    let texels = crossing.texels(Portable, &field, &planes, tiles);
+                    (crossing, posts, heights, texels)
+                };
+                for number in field.major.cells[0]..=field.major.cells[1] {
+                    let [before, behind] = [line(number), line(number + 1)];
+                    let bend = Bend::new(Portable, &planes, &before.0, &behind.0);
+                    let heights = bend.heights(Portable, &field, before.1, behind.1);
+                    let halves = bend.colours(Portable, before.3, behind.3);
+                    let t = number as f32 - field.major.fraction;
+                    for (k, &advance) in planes.advance.iter().enumerate() {
+                        let at = |share: f32| {
+                            let t = f64::from(t + share);
+                            ground_height(&field, &ground, t, f64::from(advance) * t)
+                                .map(|height| height - f64::from(field.eye_height))
+                        };
+                        let share = bend.share[k];
+                        crossing += usize::from(bend.crosses[k] != 0);
+                        let ends = [(0.0, before.2[k]), (share, heights[k]), (1.0, behind.2[k])];
+                        for [(from, low), (to, high)] in [[ends[0], ends[1]], [ends[1], ends[2]]] {
+                            for part in 0..=4 {
+                                let part = part as f32 / 4.0;
+                                let Some(truth) = at(from + (to - from) * part) else {
+                                    continue;
+                                };
+                                let height = f64::from(low + (high - low) * part);
+                                assert!((height - truth).abs() < 2e-3, "{height}, {truth}");
+                                found += 1;
+                            }
+                        }
+                        // Colours rise and fall as heights do, so they tell the place.
+                        let [x, y] = {
+                            let t = f64::from(t + share);
+                            place(&field, t, f64::from(advance) * t)
+                        };
+                        if ground.height_at(x, y).is_some() {
+                            let ([col, row], [u, v]) = colours.locate(x, y);
+                            let [sw, se, nw, ne] =
+                                colours.cell(col, row).map(|texel| f64::from(texel[0]));
+                            let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
+                            let truth = south + (north - south) * v;
+                            let red = f64::from(halves[0][k] & 0xffff);
+                            assert!((red - truth).abs() < 2.5, "{red}, {truth}");
+                        }
+                    }
+                }
+            }
+            assert!(found > 10_000 && crossing > 500, "{found}, {crossing}");
+        }
     }
 
     #[test]

@@ -11,7 +11,6 @@ mod sky;
 mod survey;
 
 pub(super) use directions::Directions;
-pub(super) use fans::FAR;
 pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};

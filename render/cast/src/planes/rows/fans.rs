@@ -16,9 +16,6 @@ use crate::lanes::{LANES, Lanes};
 use crate::planes::shade::Shader;
 use crate::tally::Tally;
 
-/// How many posts a pixel covers, about, from which on it may lie between planes.
-pub(in crate::planes) const FAR: f32 = 1.0;
-
 impl<L: Lanes> March<'_, L> {
     /// Casts the steps of a sector from `begin` on.
     pub(super) fn cast_fans<T: Tally>(
@@ -71,8 +68,8 @@ impl<L: Lanes> March<'_, L> {
         }
     }
 
-    /// Whether most rays of a step came, so far, to where a pixel covers so many posts that its ray's
-    /// exact way makes no difference.
+    /// Whether most rays of a step came, so far, to where a pixel covers so many posts that it may lie
+    /// between planes.
     pub(super) fn is_far(&self, step: u32, scratch: &Scratch) -> bool {
         let [from, to] = scratch.lanes[step as usize % MEMORY];
         let at = self.slot(step) + MARGIN;
@@ -85,7 +82,8 @@ impl<L: Lanes> March<'_, L> {
                 .iter()
                 .step_by(LANES)
         };
-        let far = some().filter(|t| t.abs() * width > FAR).count();
+        let least = self.frame.detail.as_ref().map_or(0.0, |detail| detail.far);
+        let far = some().filter(|t| t.abs() * width > least).count();
         2 * far > some().len()
     }
 

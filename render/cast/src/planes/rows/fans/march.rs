@@ -4,7 +4,7 @@ use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
 use super::rays::Rays;
-use super::sight::{Outlook, SAME, Sight};
+use super::sight::{Outlook, Paint, Piece, SAME, Sight};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::field::Field;
 use crate::planes::profile::{PASSED, ceiling};
@@ -17,6 +17,10 @@ pub(super) const PLANES: usize = 2 * LANES;
 /// that is made of them.
 const FINEST: f32 = 2.6;
 
+/// How many cells of the finest level a pixel may cover, in the same way, up to which profiles are bent
+/// between lines of posts; of wider pixels straight ones are as near to the truth as pixels are.
+const BENT: f32 = 1.3;
+
 /// In which of the ground's resolutions planes are: in the one that suits a plane in their midst.
 struct Resolution {
     plane: usize,
@@ -25,22 +29,32 @@ struct Resolution {
     width: f32,
     coarsest: usize,
     level: usize,
+    /// Whether profiles are bent between lines.
+    is_bent: bool,
     /// The t up to which it suits.
     limit: f32,
 }
 
 impl Resolution {
-    fn suiting(&self, t: f32) -> usize {
+    /// Takes what suits at t, but nothing finer than before. Gives whether it is another level.
+    fn suit(&mut self, t: f32) -> bool {
         let covered = t * self.width;
-        if covered < FINEST {
+        let level = if covered < FINEST {
             0
         } else {
             (((covered.to_bits() >> 23) - 127) as usize).min(self.coarsest)
-        }
+        };
+        self.is_bent &= covered < BENT;
+        let coarser = level > self.level;
+        self.level = self.level.max(level);
+        self.limit = self.limit().max(t * 1.001);
+        coarser
     }
 
     fn limit(&self) -> f32 {
-        if self.level == self.coarsest {
+        if self.is_bent {
+            BENT / self.width
+        } else if self.level == self.coarsest {
             f32::INFINITY
         } else if self.level == 0 {
             FINEST / self.width
@@ -48,6 +62,23 @@ impl Resolution {
             (2 << self.level) as f32 / self.width
         }
     }
+}
+
+/// How far planes have been led.
+struct Way {
+    at: Resolution,
+    /// As [`Sight::finish`] has it.
+    same: f32,
+    /// The plane in their midst: its lane, and whether that is one of the first sixteen.
+    lane: usize,
+    is_left: bool,
+    /// The last line, and its t.
+    line: i32,
+    t: f32,
+    /// Whether what lies before this line has not been looked at, so that its heights are not known;
+    /// and whether nothing was seen since the last blocks began.
+    has_skipped: bool,
+    is_idle: bool,
 }
 
 impl<L: Lanes> March<'_, L> {
@@ -77,10 +108,20 @@ impl<L: Lanes> March<'_, L> {
             self.plane_rays(fan, first + LANES, scratch),
         ];
         let steep = self.steep() as f32;
-        let mut left = Sight::new(l, &rays[0], steep, fan.room());
-        let mut right = Sight::new(l, &rays[1], steep, fan.room());
+        let field = &self.fields[0];
+        let mut left = Sight::new(l, field, &rays[0], steep, fan.room());
+        let mut right = Sight::new(l, field, &rays[1], steep, fan.room());
         if rays[0].live != 0 || rays[1].live != 0 {
-            self.go_along(fan, first, &rays, [&mut left, &mut right], seen);
+            let sights = [&mut left, &mut right];
+            let way = self.way(fan, first, &rays);
+            let way = if way.at.is_bent {
+                self.go_along::<true>(fan, way, sights, seen)
+            } else {
+                Some(way)
+            };
+            if let Some(way) = way {
+                self.go_along::<false>(fan, way, [&mut left, &mut right], seen);
+            }
         }
         let mut skies = [[0; LANES]; 2];
         l.store_i(left.end(l, seen), &mut skies[0]);
@@ -88,16 +129,8 @@ impl<L: Lanes> March<'_, L> {
         fan.clear_skies(first, &skies, seen)
     }
 
-    #[inline(always)]
-    fn go_along(
-        &self,
-        fan: &Fan,
-        first: usize,
-        rays: &[Rays; 2],
-        [left, right]: [&mut Sight<L>; 2],
-        seen: &mut [[i32; 2]],
-    ) {
-        let l = self.l;
+    /// Where planes begin, of which the first is plane `first`, and some may meet ground.
+    fn way(&self, fan: &Fan, first: usize, rays: &[Rays; 2]) -> Way {
         let is_left = rays[0].live != 0;
         let among = if is_left { rays[0].live } else { rays[1].live };
         let lane = among.trailing_zeros() as usize;
@@ -110,31 +143,68 @@ impl<L: Lanes> March<'_, L> {
             width: self.width_at(fan, plane, cell, 0.0),
             coarsest: self.fields.len() - 1,
             level: 0,
+            is_bent: true,
             limit: 0.0,
         };
-        at.level = at.suiting(start);
-        at.limit = at.limit();
-        let same = 1.0 + SAME * at.width / cell as f32;
-        let mut field = &self.fields[at.level];
+        at.suit(start);
+        let field = &self.fields[at.level];
         let line = (start / field.scale + field.major.fraction) as i32;
-        let mut line = line.max(field.major.cells[0]);
-        let mut t = (line as f32 - field.major.fraction) * field.scale;
-        // Whether what lies before this line has not been looked at, so that its heights are not known;
-        // and whether nothing was seen since the last blocks began.
-        let mut has_skipped = true;
-        let mut is_idle = true;
+        let line = line.max(field.major.cells[0]);
+        Way {
+            same: 1.0 + SAME * at.width / cell as f32,
+            lane,
+            is_left,
+            line,
+            t: (line as f32 - field.major.fraction) * field.scale,
+            has_skipped: true,
+            is_idle: true,
+            at,
+        }
+    }
+
+    /// Leads planes on, from line to line, with profiles that are bent between these, or straight; gives
+    /// where the first ones are to be led on as the others.
+    #[inline(always)]
+    fn go_along<const BENT: bool>(
+        &self,
+        fan: &Fan,
+        way: Way,
+        [left, right]: [&mut Sight<L>; 2],
+        seen: &mut [[i32; 2]],
+    ) -> Option<Way> {
+        let l = self.l;
+        let Way {
+            mut at,
+            same,
+            lane,
+            is_left,
+            mut line,
+            mut t,
+            mut has_skipped,
+            mut is_idle,
+        } = way;
+        let mut field = &self.fields[at.level];
         while l.bits(l.or(left.live, right.live)) != 0 {
             if t >= at.limit {
                 let mut done = [0.0; LANES];
                 l.store(if is_left { left.border } else { right.border }, &mut done);
                 at.width = self.width_at(fan, at.plane, at.cell, done[lane]);
-                let coarser = at.suiting(t);
-                if coarser > at.level {
-                    at.level = coarser;
+                if at.suit(t) {
                     field = &self.fields[at.level];
                     line = (t / field.scale + field.major.fraction + 1e-3) as i32;
                 }
-                at.limit = at.limit().max(t * 1.001);
+                if BENT && !at.is_bent {
+                    return Some(Way {
+                        at,
+                        same,
+                        lane,
+                        is_left,
+                        line,
+                        t,
+                        has_skipped,
+                        is_idle,
+                    });
+                }
             }
             if field.major.is_block(line) {
                 if is_idle {
@@ -157,8 +227,8 @@ impl<L: Lanes> March<'_, L> {
                 is_idle = true;
             }
             if has_skipped {
-                left.skip_to(l, field, line, t);
-                right.skip_to(l, field, line, t);
+                left.skip_to::<BENT>(l, field, line, t);
+                right.skip_to::<BENT>(l, field, line, t);
                 has_skipped = false;
             }
             line += 1;
@@ -166,35 +236,85 @@ impl<L: Lanes> March<'_, L> {
                 break;
             }
             let end = (line as f32 - field.major.fraction) * field.scale;
-            let mut piece = left.piece(l, field, line, [t, end]);
-            let mut other = right.piece(l, field, line, [t, end]);
-            if l.bits(l.or(piece.visible, other.visible)) != 0 {
-                is_idle = false;
-                let mut paint = left.paint(l, field, &piece);
-                let mut other_paint = right.paint(l, field, &other);
-                if L::IS_ONE_REGISTER {
-                    loop {
-                        let over = left.over(l, &piece);
-                        let other_over = right.over(l, &other);
-                        if l.bits(l.or(over, other_over)) == 0 {
-                            break;
-                        }
-                        left.finish(l, over, &mut piece, &mut paint, same, seen);
-                        right.finish(l, other_over, &mut other, &mut other_paint, same, seen);
-                    }
-                } else {
-                    // Sixteen are enough to do at once, and seldom have as many borders to pass as the others.
-                    left.finish_all(l, &mut piece, &mut paint, same, seen);
-                    right.finish_all(l, &mut other, &mut other_paint, same, seen);
+            let here = left.line(l, field, line, end);
+            let other_here = right.line(l, field, line, end);
+            if BENT {
+                let (pieces, bend) = left.bent(l, field, &here, [t, end]);
+                let (other_pieces, other_bend) = right.bent(l, field, &other_here, [t, end]);
+                let [first, second] = pieces;
+                let [other_first, other_second] = other_pieces;
+                let visible = l.or(first.visible, second.visible);
+                let other_visible = l.or(other_first.visible, other_second.visible);
+                let is_seen = l.bits(l.or(visible, other_visible)) != 0;
+                if is_seen {
+                    is_idle = false;
+                    let [begin, middle, end] = left.bent_colours(l, field, &here, &bend);
+                    let others = right.bent_colours(l, field, &other_here, &other_bend);
+                    let [other_begin, other_middle, other_end] = others;
+                    let paints = [
+                        left.paint_between(l, [begin, middle], &first),
+                        right.paint_between(l, [other_begin, other_middle], &other_first),
+                    ];
+                    let pieces = [first, other_first];
+                    look(l, [left, right], pieces, paints, same, seen);
+                    let mut pieces = [second, other_second];
+                    left.look_again(l, &mut pieces[0]);
+                    right.look_again(l, &mut pieces[1]);
+                    let paints = [
+                        left.paint_between(l, [middle, end], &pieces[0]),
+                        right.paint_between(l, [other_middle, other_end], &pieces[1]),
+                    ];
+                    look(l, [left, right], pieces, paints, same, seen);
                 }
-                left.add(l, &piece, &paint);
-                right.add(l, &other, &other_paint);
+                left.has_read_colours(is_seen);
+                right.has_read_colours(is_seen);
+            } else {
+                let piece = left.piece(l, &here, [t, end]);
+                let other = right.piece(l, &other_here, [t, end]);
+                if l.bits(l.or(piece.visible, other.visible)) != 0 {
+                    is_idle = false;
+                    let paints = [
+                        left.paint(l, field, &here, &piece),
+                        right.paint(l, field, &other_here, &other),
+                    ];
+                    look(l, [left, right], [piece, other], paints, same, seen);
+                }
             }
-            left.leave_behind(&piece);
-            right.leave_behind(&other);
+            left.leave_behind::<BENT>(here);
+            right.leave_behind::<BENT>(other_here);
             t = end;
         }
+        None
     }
+}
+
+/// Adds what planes see of a piece to their pixels.
+#[inline(always)]
+fn look<L: Lanes>(
+    l: L,
+    [left, right]: [&mut Sight<L>; 2],
+    [mut piece, mut other]: [Piece<L>; 2],
+    [mut paint, mut other_paint]: [Paint<L>; 2],
+    same: f32,
+    seen: &mut [[i32; 2]],
+) {
+    if L::IS_ONE_REGISTER {
+        loop {
+            let over = left.over(l, &piece);
+            let other_over = right.over(l, &other);
+            if l.bits(l.or(over, other_over)) == 0 {
+                break;
+            }
+            left.finish(l, over, &mut piece, &mut paint, same, seen);
+            right.finish(l, other_over, &mut other, &mut other_paint, same, seen);
+        }
+    } else {
+        // Sixteen are enough to do at once, and seldom have as many borders to pass as the others.
+        left.finish_all(l, &mut piece, &mut paint, same, seen);
+        right.finish_all(l, &mut other, &mut other_paint, same, seen);
+    }
+    left.add(l, &piece, &paint);
+    right.add(l, &other, &other_paint);
 }
 
 /// Behind which line planes are that pass, at the mirrored line `line` in `t`, the largest blocks

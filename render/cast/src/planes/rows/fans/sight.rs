@@ -3,7 +3,7 @@
 use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
-use crate::planes::profile::{Crossing, PlaneGroup, twice, upper_bytes};
+use crate::planes::profile::{Bend, Crossing, PlaneGroup, twice, upper_bytes};
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
 pub(super) const SAME: f32 = 5.0;
@@ -16,16 +16,35 @@ const AHEAD: i32 = 4;
 /// cells below it.
 const NEAREST: f32 = 0.03125;
 
-/// A piece of sixteen profiles, from a line of posts to the next, as far as there is ground.
-pub(super) struct Piece<L: Lanes> {
+/// Where sixteen planes cross a line of posts.
+pub(super) struct Line<L: Lanes> {
     crossing: Crossing<L>,
-    /// The heights on the farther line.
+    /// The heights of the posts around planes, and of the ground between them over the eye.
+    posts: [L::F; 2],
     height: L::F,
+    /// The slope from the eye, and 1 / t.
+    slope: L::F,
+    inverse: f32,
+}
+
+/// A place on each plane's profile.
+#[derive(Clone, Copy)]
+struct Place<L: Lanes> {
+    t: L::F,
+    inverse: L::F,
+    height: L::F,
+    slope: L::F,
+}
+
+/// A straight piece of sixteen profiles, as far as there is ground.
+pub(super) struct Piece<L: Lanes> {
     /// At both ends the slopes from the eye, and 1 / t.
     slopes: [L::F; 2],
     inverses: [L::F; 2],
     /// The higher slope: where the ground begins over the horizon, its side is seen, too.
     top: L::F,
+    /// Which planes are over ground there.
+    here: L::M,
     /// Which planes see some of it.
     pub(super) visible: L::M,
 }
@@ -76,6 +95,12 @@ pub(super) struct Sight<L: Lanes> {
     height: L::F,
     slope: L::F,
     colours: [L::I; 2],
+    /// Where profiles are bent between lines: how planes cross the last one, the posts around them, and
+    /// these posts' colours, if they have been read.
+    crossing: Crossing<L>,
+    posts: [L::F; 2],
+    texels: [L::I; 2],
+    has_texels: bool,
 }
 
 /// What sixteen planes may still see.
@@ -103,15 +128,20 @@ impl<L: Lanes> Sight<L> {
     /// Of planes that have seen nothing yet, in whose fan a pixel's number lies `period` behind that
     /// of the one below it.
     #[inline(always)]
-    pub(super) fn new(l: L, rays: &Rays, steep: f32, period: usize) -> Self {
+    pub(super) fn new(l: L, field: &Field<'_>, rays: &Rays, steep: f32, period: usize) -> Self {
         let load = |numbers: &Each| l.load(numbers);
         let (zero, none) = (l.splat(0.0), l.splat_i(0));
         let steep = l.splat(steep);
         let up = [load(&rays.up[0]), load(&rays.up[1])];
         let major = [load(&rays.major[0]), load(&rays.major[1])];
         let run = l.max(major[0], steep);
+        let planes = PlaneGroup::new(l, &rays.advance);
         Self {
-            planes: PlaneGroup::new(l, &rays.advance),
+            crossing: Crossing::new(l, field, &planes, field.major.cells[0]),
+            posts: [zero; 2],
+            texels: [none; 2],
+            has_texels: false,
+            planes,
             up,
             major,
             steep,
@@ -142,10 +172,10 @@ impl<L: Lanes> Sight<L> {
 
     /// Goes on from a mirrored line, at t, without a look at what lies before it.
     #[inline(always)]
-    pub(super) fn skip_to(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
-        let crossing = Crossing::new(l, field, &self.planes, line);
-        self.height = crossing.heights(l, field, &self.planes);
-        self.slope = l.mul(self.height, l.splat(1.0 / t.max(NEAREST)));
+    pub(super) fn skip_to<const BENT: bool>(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
+        let there = self.line(l, field, line, t);
+        self.leave_behind::<BENT>(there);
+        self.has_texels = false;
         self.stay_over_ground(l, t);
     }
 
@@ -165,58 +195,142 @@ impl<L: Lanes> Sight<L> {
         }
     }
 
-    /// The piece from the last line, at `t`, to the mirrored line `line`, at `end`. Planes that have
-    /// left the ground before go on no further.
+    /// The mirrored line `line`, at t.
     #[inline(always)]
-    pub(super) fn piece(
+    pub(super) fn line(&self, l: L, field: &Field<'_>, line: i32, t: f32) -> Line<L> {
+        let crossing = Crossing::new(l, field, &self.planes, line);
+        let posts = crossing.posts(l, field, &self.planes);
+        let height = crossing.heights(l, field, posts);
+        let inverse = 1.0 / t.max(NEAREST);
+        Line {
+            crossing,
+            posts,
+            height,
+            slope: l.mul(height, l.splat(inverse)),
+            inverse,
+        }
+    }
+
+    /// The places on the last line, at `t`, and on the next one, at `end`.
+    #[inline(always)]
+    fn ends(&self, l: L, line: &Line<L>, [t, end]: [f32; 2]) -> [Place<L>; 2] {
+        [
+            Place {
+                t: l.splat(t),
+                inverse: l.splat(1.0 / t.max(NEAREST)),
+                height: self.height,
+                slope: self.slope,
+            },
+            Place {
+                t: l.splat(end),
+                inverse: l.splat(line.inverse),
+                height: line.height,
+                slope: line.slope,
+            },
+        ]
+    }
+
+    /// Whether the ground begins or ends between two t.
+    #[inline(always)]
+    fn is_at_border(&self, [t, end]: [f32; 2]) -> bool {
+        let [last_enter, first_leave] = self.over_ground;
+        t < last_enter || first_leave < end
+    }
+
+    /// The piece from the last line, at the first t, to the next one, at the second. Planes that have left
+    /// the ground before go on no further.
+    #[inline(always)]
+    pub(super) fn piece(&mut self, l: L, line: &Line<L>, between: [f32; 2]) -> Piece<L> {
+        let ends = self.ends(l, line, between);
+        self.straight(l, ends, self.is_at_border(between))
+    }
+
+    /// As `piece`, in two straight ones.
+    #[inline(always)]
+    pub(super) fn bent(
         &mut self,
         l: L,
         field: &Field<'_>,
-        line: i32,
-        [t, end]: [f32; 2],
-    ) -> Piece<L> {
-        let crossing = Crossing::new(l, field, &self.planes, line);
-        let height = crossing.heights(l, field, &self.planes);
-        let mut here = self.live;
-        let mut inverses = [
-            l.splat(1.0 / t.max(NEAREST)),
-            l.splat(1.0 / end.max(NEAREST)),
+        line: &Line<L>,
+        between: [f32; 2],
+    ) -> ([Piece<L>; 2], Bend<L>) {
+        let bend = Bend::new(l, &self.planes, &self.crossing, &line.crossing);
+        let [from, to] = self.ends(l, line, between);
+        let t = l.add(from.t, l.mul(bend.share, l.sub(to.t, from.t)));
+        let height = bend.heights(l, field, self.posts, line.posts);
+        let inverse = l.div(l.splat(1.0), l.max(t, l.splat(NEAREST)));
+        let middle = Place {
+            t,
+            inverse,
+            height,
+            slope: l.mul(height, inverse),
+        };
+        let is_at_border = self.is_at_border(between);
+        let pieces = [
+            self.straight(l, [from, middle], is_at_border),
+            self.straight(l, [middle, to], is_at_border),
         ];
-        let mut slopes = [self.slope, l.mul(height, inverses[1])];
-        let [last_enter, first_leave] = self.over_ground;
-        if t < last_enter || first_leave < end {
-            // The ground begins or ends between the lines.
-            let from = l.max(l.splat(t), self.enter);
-            let to = l.min(l.splat(end), self.leave);
-            self.live = l.and(self.live, l.lt(from, self.leave));
-            here = l.and(self.live, l.lt(from, to));
-            let rise = l.mul(l.sub(height, self.height), l.splat(1.0 / (end - t)));
-            let nearest = l.splat(NEAREST);
+        (pieces, bend)
+    }
+
+    /// A straight piece from place to place, of which some may lie beside the ground where it
+    /// `is_at_border`.
+    #[inline(always)]
+    fn straight(&mut self, l: L, [from, to]: [Place<L>; 2], is_at_border: bool) -> Piece<L> {
+        let mut here = self.live;
+        let mut inverses = [from.inverse, to.inverse];
+        let mut slopes = [from.slope, to.slope];
+        if is_at_border {
             let one = l.splat(1.0);
+            let begin = l.max(from.t, self.enter);
+            let end = l.min(to.t, self.leave);
+            self.live = l.and(self.live, l.lt(begin, self.leave));
+            here = l.and(self.live, l.lt(begin, end));
+            let way = l.max(l.sub(to.t, from.t), l.splat(f32::MIN_POSITIVE));
+            let rise = l.mul(l.sub(to.height, from.height), l.div(one, way));
+            let height = |t: L::F| l.add(from.height, l.mul(rise, l.sub(t, from.t)));
+            let heights = [height(begin), height(end)];
+            let nearest = l.splat(NEAREST);
             inverses = [
-                l.div(one, l.max(from, nearest)),
-                l.div(one, l.max(to, nearest)),
+                l.div(one, l.max(begin, nearest)),
+                l.div(one, l.max(end, nearest)),
             ];
-            let begin = l.add(self.height, l.mul(rise, l.sub(from, l.splat(t))));
-            let end = l.add(self.height, l.mul(rise, l.sub(to, l.splat(t))));
-            slopes = [l.mul(begin, inverses[0]), l.mul(end, inverses[1])];
+            slopes = [
+                l.mul(heights[0], inverses[0]),
+                l.mul(heights[1], inverses[1]),
+            ];
         }
         let top = l.max(slopes[0], slopes[1]);
         Piece {
-            crossing,
-            height,
             slopes,
             inverses,
             top,
+            here,
             visible: l.and(here, l.lt(self.horizon, top)),
         }
     }
 
-    /// A piece's colours.
+    /// Looks again which planes see some of a piece, after the one before it has been looked at.
     #[inline(always)]
-    pub(super) fn paint(&mut self, l: L, field: &Field<'_>, piece: &Piece<L>) -> Paint<L> {
+    pub(super) fn look_again(&self, l: L, piece: &mut Piece<L>) {
+        let here = l.and(piece.here, self.live);
+        piece.visible = l.and(here, l.lt(self.horizon, piece.top));
+    }
+
+    /// The colours of a piece that ends at a line.
+    #[inline(always)]
+    pub(super) fn paint(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: &Line<L>,
+        piece: &Piece<L>,
+    ) -> Paint<L> {
         let end = match field.colours {
-            Some(colours) => piece.crossing.colours(l, field, &self.planes, colours),
+            Some(colours) => {
+                let texels = line.crossing.texels(l, field, &self.planes, colours);
+                line.crossing.colours(l, texels)
+            }
             None => [l.splat_i(0); 2],
         };
         // Where the line before was not seen, all that is seen lies close to this one.
@@ -232,6 +346,44 @@ impl<L: Lanes> Sight<L> {
             ends: [begin, end],
             per_rise: l.div(l.splat(1.0), rise),
             done: l.splat(0.0),
+        }
+    }
+
+    /// The colours at the last line, where profiles are bent behind it, and at the next line.
+    #[inline(always)]
+    pub(super) fn bent_colours(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: &Line<L>,
+        bend: &Bend<L>,
+    ) -> [[L::I; 2]; 3] {
+        let Some(colours) = field.colours else {
+            return [[l.splat_i(0); 2]; 3];
+        };
+        if !self.has_texels {
+            self.texels = self.crossing.texels(l, field, &self.planes, colours);
+            self.colours = self.crossing.colours(l, self.texels);
+        }
+        let texels = line.crossing.texels(l, field, &self.planes, colours);
+        let end = line.crossing.colours(l, texels);
+        let all = [self.colours, bend.colours(l, self.texels, texels), end];
+        self.texels = texels;
+        self.colours = end;
+        all
+    }
+
+    /// The colours of a piece from one end to the other.
+    #[inline(always)]
+    pub(super) fn paint_between(&self, l: L, ends: [[L::I; 2]; 2], piece: &Piece<L>) -> Paint<L> {
+        let [slope, end_slope] = piece.slopes;
+        let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
+        let per_rise = l.div(l.splat(1.0), rise);
+        let hidden = l.mul(l.sub(self.horizon, slope), per_rise);
+        Paint {
+            ends,
+            per_rise,
+            done: l.max(l.min(hidden, l.splat(1.0)), l.splat(0.0)),
         }
     }
 
@@ -328,11 +480,21 @@ impl<L: Lanes> Sight<L> {
         self.far = l.select(piece.visible, piece.inverses[1], self.far);
     }
 
-    /// Goes on from a piece's end.
+    /// Goes on from a line.
     #[inline(always)]
-    pub(super) fn leave_behind(&mut self, piece: &Piece<L>) {
-        self.height = piece.height;
-        self.slope = piece.slopes[1];
+    pub(super) fn leave_behind<const BENT: bool>(&mut self, line: Line<L>) {
+        self.height = line.height;
+        self.slope = line.slope;
+        if BENT {
+            self.crossing = line.crossing;
+            self.posts = line.posts;
+        }
+    }
+
+    /// Whether the colours of the posts are known around where planes cross the last line.
+    #[inline(always)]
+    pub(super) fn has_read_colours(&mut self, has: bool) {
+        self.has_texels = has;
     }
 
     /// Writes the pixels in which the ground ends. Gives for each plane how many of its pixels come
