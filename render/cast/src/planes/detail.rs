@@ -13,7 +13,7 @@ use sandtable_terrain::{
 };
 
 /// How many posts a pixel covers at most in views of which each pixel's ray is cast over the ground's own
-/// resolution: so magnified, it shows how cells are twisted, which planes do not see.
+/// resolution: where pixels are so small, that takes less time than planes do.
 const MAGNIFIED: f64 = 0.5;
 
 /// How many posts a pixel covers, about, from which on it may lie between planes in other views; what is

@@ -162,9 +162,16 @@ impl Axis {
 }
 
 impl<L: Lanes> Crossing<L> {
-    /// Where planes cross the mirrored line `line`.
+    /// Where planes cross the mirrored line `line`; as many posts `beside` those around them are to be known,
+    /// too.
     #[inline(always)]
-    pub(super) fn new(l: L, field: &Field<'_>, planes: &PlaneGroup<L>, line: i32) -> Self {
+    pub(super) fn new(
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        line: i32,
+        beside: i32,
+    ) -> Self {
         let t = line as f32 - field.major.fraction;
         let line = line.max(field.major.cells[0]).min(field.major.cells[1] + 1);
         let along = l.mul(planes.advance, l.splat(t));
@@ -175,7 +182,11 @@ impl<L: Lanes> Crossing<L> {
         );
         // Planes lie in order.
         let [first, last] = l.ends(cell);
-        let cells = [first.min(last), first.max(last)];
+        let ends = field.minor.cells;
+        let cells = [
+            (first.min(last) - beside).max(ends[0]),
+            (first.max(last) + beside).min(ends[1]),
+        ];
         Self {
             line,
             cell,
@@ -213,9 +224,10 @@ impl<L: Lanes> Crossing<L> {
         l.sub(height, l.splat(field.eye_height))
     }
 
-    /// The colours of the posts around planes, the near and the far ones.
+    /// The ground's colours between posts, beside the ground those of its border: red and blue, green
+    /// and alpha, in 16 bits each.
     #[inline(always)]
-    pub(super) fn texels(
+    pub(super) fn colours(
         &self,
         l: L,
         field: &Field<'_>,
@@ -226,29 +238,88 @@ impl<L: Lanes> Crossing<L> {
             Some(window) => window.read(l, field, planes, colours),
             None => None,
         };
-        match posts {
+        let [near, far] = match posts {
             Some(posts) => self.around(l, field, posts),
-            None => self.texels_apart(l, field, colours),
-        }
+            None => [
+                self.texel_apart(l, field, colours, 0),
+                self.texel_apart(l, field, colours, 1),
+            ],
+        };
+        self.mixed(l, halves(l, near), halves(l, far))
     }
 
-    /// The ground's colours between posts, beside the ground those of its border: red and blue, green
-    /// and alpha, in 16 bits each.
+    /// The colours of four posts of each plane's line: the one before the near one, that and the far one,
+    /// and the one behind; in halves, [`FINE`] times as large. Such as there is not are any.
     #[inline(always)]
-    pub(super) fn colours(&self, l: L, [near, far]: [L::I; 2]) -> [L::I; 2] {
-        between(l, halves(l, near), halves(l, far), parts(l, self.share))
+    pub(super) fn texels(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        colours: &Tiles<'_, [u8; 4]>,
+    ) -> Texels<L> {
+        let posts = match &self.window {
+            Some(window) => match window.read(l, field, planes, colours) {
+                Some(posts) => Some((window, posts)),
+                None => None,
+            },
+            None => None,
+        };
+        let [before, near, far, behind] = match posts {
+            Some((window, posts)) => {
+                let (at, next) = self.place(l, field);
+                let ends = [l.splat_i(0), l.splat_i(window.count - 1)];
+                let before = l.sub_i(at, l.splat_i(next));
+                let before = l.max_i(l.min_i(before, ends[1]), ends[0]);
+                let behind = l.add_i(at, l.splat_i(2 * next));
+                let behind = l.max_i(l.min_i(behind, ends[1]), ends[0]);
+                [
+                    l.among(posts, before),
+                    l.among(posts, at),
+                    l.among(posts, l.add_i(at, l.splat_i(next))),
+                    l.among(posts, behind),
+                ]
+            }
+            None => [
+                self.texel_apart(l, field, colours, -1),
+                self.texel_apart(l, field, colours, 0),
+                self.texel_apart(l, field, colours, 1),
+                self.texel_apart(l, field, colours, 2),
+            ],
+        };
+        [
+            fine_halves(l, before),
+            fine_halves(l, near),
+            fine_halves(l, far),
+            fine_halves(l, behind),
+        ]
+    }
+
+    /// Colours so much of the way from the near posts' to the far ones' as planes lie between them.
+    #[inline(always)]
+    pub(super) fn mixed(&self, l: L, near: [L::I; 2], far: [L::I; 2]) -> [L::I; 2] {
+        between(l, near, far, parts(l, self.share))
     }
 
     /// The near and the far posts around planes, among those of the window.
     #[inline(always)]
     fn around(&self, l: L, field: &Field<'_>, posts: [L::I; 2]) -> [L::I; 2] {
+        let (at, next) = self.place(l, field);
+        [
+            l.among(posts, at),
+            l.among(posts, l.add_i(at, l.splat_i(next))),
+        ]
+    }
+
+    /// Where among the window's posts the near ones are, and how much further the next ones.
+    #[inline(always)]
+    fn place(&self, l: L, field: &Field<'_>) -> (L::I, i32) {
         let from = l.splat_i(self.from);
-        let (at, next) = if field.minor.sign > 0 {
-            (l.sub_i(self.cell, from), l.splat_i(1))
+        if field.minor.sign > 0 {
+            (l.sub_i(self.cell, from), 1)
         } else {
-            (l.sub_i(from, self.cell), l.splat_i(-1))
-        };
-        [l.among(posts, at), l.among(posts, l.add_i(at, next))]
+            (l.sub_i(from, self.cell), -1)
+        }
     }
 
     /// The near and the far posts around planes, wherever they lie.
@@ -275,33 +346,51 @@ impl<L: Lanes> Crossing<L> {
         )
     }
 
-    /// The near and the far posts' colours around planes, wherever they lie.
+    /// The colours of posts, wherever they lie: of each plane's near ones, or so many behind these.
     #[inline(always)]
-    fn texels_apart(&self, l: L, field: &Field<'_>, colours: &Tiles<'_, [u8; 4]>) -> [L::I; 2] {
+    fn texel_apart(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        colours: &Tiles<'_, [u8; 4]>,
+        post: i32,
+    ) -> L::I {
         let Self { line, cell, .. } = *self;
         l.vectorize(
             #[inline(always)]
             move || {
+                // The far posts are those of their cells, and of the next ones.
+                let is_far = post > 0;
+                let [first_cell, last_cell] = field.minor.cells;
+                let cell = l.add_i(cell, l.splat_i(post - i32::from(is_far)));
+                let cell = l.min_i(cell, l.splat_i(last_cell));
+                let cell = l.max_i(cell, l.splat_i(first_cell));
                 let last = field.major.cells[1];
                 let [x, y] = field.cells(l, l.splat_i(line.min(last)), cell);
                 let mut places = [0; LANES];
                 l.store_i(colours.place(l, x, y), &mut places);
                 // All the way to a post along both axes.
-                let weight = |is_high: bool| l.splat(if is_high { 1.0 } else { 0.0 });
-                let major = weight((line > last) == (field.major.sign > 0));
-                [false, true].map(|is_far| {
-                    let minor = weight(is_far == (field.minor.sign > 0));
-                    let [east, north] = if field.major_axis == 0 {
-                        [major, minor]
-                    } else {
-                        [minor, major]
-                    };
-                    l.texels(&colours.items, &places, colours.stride, east, north)
-                })
+                let [zero, one] = [l.splat(0.0), l.splat(1.0)];
+                let is_high = (line > last) == (field.major.sign > 0);
+                let major = if is_high { one } else { zero };
+                let is_high = is_far == (field.minor.sign > 0);
+                let minor = if is_high { one } else { zero };
+                let [east, north] = if field.major_axis == 0 {
+                    [major, minor]
+                } else {
+                    [minor, major]
+                };
+                l.texels(&colours.items, &places, colours.stride, east, north)
             },
         )
     }
 }
+
+/// How many times as large colours of bent profiles are, so that little is lost between them.
+pub(super) const FINE: i32 = 64;
+
+/// Colours of four neighbouring posts of a line for each plane, in halves.
+pub(super) type Texels<L> = [[<L as Lanes>::I; 2]; 4];
 
 /// A place of each plane between two neighbouring lines of posts. From there to either of these its
 /// profile is straight, or nearly so: it is where the plane goes from one cell to the next along the minor
@@ -311,8 +400,16 @@ pub(super) struct Bend<L: Lanes> {
     pub(super) share: L::F,
     /// Which planes go from one cell to the next.
     crosses: L::M,
-    /// How far into its cell the place lies along the minor axis.
-    aside: L::F,
+    /// How far into its cell the place lies along the minor axis, of the cell that the plane comes from, and
+    /// of the one that it goes to.
+    aside: [L::F; 2],
+}
+
+/// The colours of a bent profile: where its two pieces begin and end, and the middles of the parabolas'
+/// polygons that they are, of cells that are twisted.
+pub(super) struct BentColours<L: Lanes> {
+    pub(super) ends: [[L::I; 2]; 3],
+    pub(super) controls: [[L::I; 2]; 2],
 }
 
 impl<L: Lanes> Bend<L> {
@@ -332,7 +429,10 @@ impl<L: Lanes> Bend<L> {
         Self {
             share: l.select(crosses, there, half),
             crosses,
-            aside: l.select(crosses, zero, middle),
+            aside: [
+                l.select(crosses, one, middle),
+                l.select(crosses, zero, middle),
+            ],
         }
     }
 
@@ -349,24 +449,65 @@ impl<L: Lanes> Bend<L> {
         let first = l.select(self.crosses, before[1], before[0]);
         let near = l.add(first, l.mul(l.sub(behind[0], first), self.share));
         let far = l.add(before[1], l.mul(l.sub(behind[1], before[1]), self.share));
-        let height = l.add(near, l.mul(l.sub(far, near), self.aside));
+        let height = l.add(near, l.mul(l.sub(far, near), self.aside[1]));
         l.sub(height, l.splat(field.eye_height))
     }
 
-    /// The colours there, likewise.
+    /// The colours of both pieces, of the posts around `before` and `behind` and what lies between them there.
     #[inline(always)]
-    pub(super) fn colours(&self, l: L, before: [L::I; 2], behind: [L::I; 2]) -> [L::I; 2] {
-        let first = l.select_i(self.crosses, before[1], before[0]);
+    pub(super) fn colours(
+        &self,
+        l: L,
+        [before, behind]: [&Crossing<L>; 2],
+        [from, to]: [&Texels<L>; 2],
+    ) -> BentColours<L> {
+        let half = parts(l, l.splat(0.5));
         let share = parts(l, self.share);
-        let near = between(l, halves(l, first), halves(l, behind[0]), share);
-        let far = between(l, halves(l, before[1]), halves(l, behind[1]), share);
-        between(l, near, far, parts(l, self.aside))
+        let begin = before.mixed(l, from[1], from[2]);
+        let end = behind.mixed(l, to[1], to[2]);
+        // The bend's places along the minor axis, on both lines.
+        let near = between(l, from[1], from[2], parts(l, self.aside[0]));
+        let far = between(l, to[1], to[2], parts(l, self.aside[1]));
+        // A piece's polygon has its middle between the two other corners of the rectangle around it.
+        let across = before.mixed(
+            l,
+            among(l, self.crosses, to[0], to[1]),
+            among(l, self.crosses, to[1], to[2]),
+        );
+        let first = between(l, near, between(l, begin, across, share), half);
+        let across = behind.mixed(
+            l,
+            among(l, self.crosses, from[2], from[1]),
+            among(l, self.crosses, from[3], from[2]),
+        );
+        let second = between(l, far, between(l, across, end, share), half);
+        BentColours {
+            ends: [begin, between(l, near, far, share), end],
+            controls: [first, second],
+        }
     }
+}
+
+/// One or the other colours in halves.
+#[inline(always)]
+fn among<L: Lanes>(l: L, mask: L::M, yes: [L::I; 2], no: [L::I; 2]) -> [L::I; 2] {
+    [
+        l.select_i(mask, yes[0], no[0]),
+        l.select_i(mask, yes[1], no[1]),
+    ]
+}
+
+/// Colours in halves, [`FINE`] times as large.
+#[inline(always)]
+fn fine_halves<L: Lanes>(l: L, colours: L::I) -> [L::I; 2] {
+    let [red_blue, green_alpha] = halves(l, colours);
+    let shift = l.splat_i(FINE.trailing_zeros() as i32);
+    [l.shl_i(red_blue, shift), l.shl_i(green_alpha, shift)]
 }
 
 /// Colours in halves so much of the way from one to another.
 #[inline(always)]
-fn between<L: Lanes>(l: L, from: [L::I; 2], to: [L::I; 2], share: L::I) -> [L::I; 2] {
+pub(super) fn between<L: Lanes>(l: L, from: [L::I; 2], to: [L::I; 2], share: L::I) -> [L::I; 2] {
     [
         l.lerp_halves(from[0], to[0], share),
         l.lerp_halves(from[1], to[1], share),
@@ -634,12 +775,11 @@ mod tests {
                 let mut found = 0;
                 for line in field.major.cells[0]..=field.major.cells[1] + 1 {
                     let t = line as f32 - field.major.fraction;
-                    let crossing = Crossing::new(Portable, field, &planes, line);
+                    let crossing = Crossing::new(Portable, field, &planes, line, 0);
                     let posts = crossing.posts(Portable, field, &planes);
                     let heights = crossing.heights(Portable, field, posts);
                     let tiles = field.colours.expect("they were given");
-                    let texels = crossing.texels(Portable, field, &planes, tiles);
-                    let halves = crossing.colours(Portable, texels);
+                    let halves = crossing.colours(Portable, field, &planes, tiles);
                     for (k, (height, advance)) in heights.iter().zip(planes.advance).enumerate() {
                         let (t, aside) = (f64::from(t), f64::from(advance) * f64::from(t));
                         let Some(truth) = ground_height(field, ground, t, aside) else {
@@ -699,7 +839,7 @@ mod tests {
             for [first, more] in [[0.3, 1e-3], [0.9, -0.01], [0.05, 0.02]] {
                 let planes = planes(first, more);
                 let line = |line: i32| {
-                    let crossing = Crossing::new(Portable, &field, &planes, line);
+                    let crossing = Crossing::new(Portable, &field, &planes, line, 1);
                     let posts = crossing.posts(Portable, &field, &planes);
                     let heights = crossing.heights(Portable, &field, posts);
                     let texels = crossing.texels(Portable, &field, &planes, tiles);
@@ -709,7 +849,9 @@ mod tests {
                     let [before, behind] = [line(number), line(number + 1)];
                     let bend = Bend::new(Portable, &planes, &before.0, &behind.0);
                     let heights = bend.heights(Portable, &field, before.1, behind.1);
-                    let halves = bend.colours(Portable, before.3, behind.3);
+                    let lines = [&before.0, &behind.0];
+                    let bent = bend.colours(Portable, lines, [&before.3, &behind.3]);
+                    let halves = bent.ends[1];
                     let t = number as f32 - field.major.fraction;
                     for (k, &advance) in planes.advance.iter().enumerate() {
                         let at = |share: f32| {
@@ -742,7 +884,7 @@ mod tests {
                                 colours.cell(col, row).map(|texel| f64::from(texel[0]));
                             let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
                             let truth = south + (north - south) * v;
-                            let red = f64::from(halves[0][k] & 0xffff);
+                            let red = f64::from(halves[0][k] & 0xffff) / f64::from(FINE);
                             assert!((red - truth).abs() < 2.5, "{red}, {truth}");
                         }
                     }

@@ -115,7 +115,10 @@ impl<L: Lanes> March<'_, L> {
             let sights = [&mut left, &mut right];
             let way = self.way(fan, first, &rays);
             let way = if way.at.is_bent {
-                self.go_along::<true>(fan, way, sights, seen)
+                let way = self.go_along::<true>(fan, way, sights, seen);
+                left.straighten(l);
+                right.straighten(l);
+                way
             } else {
                 Some(way)
             };
@@ -236,8 +239,8 @@ impl<L: Lanes> March<'_, L> {
                 break;
             }
             let end = (line as f32 - field.major.fraction) * field.scale;
-            let here = left.line(l, field, line, end);
-            let other_here = right.line(l, field, line, end);
+            let here = left.line::<BENT>(l, field, line, end);
+            let other_here = right.line::<BENT>(l, field, line, end);
             if BENT {
                 let (pieces, bend) = left.bent(l, field, &here, [t, end]);
                 let (other_pieces, other_bend) = right.bent(l, field, &other_here, [t, end]);
@@ -248,23 +251,22 @@ impl<L: Lanes> March<'_, L> {
                 let is_seen = l.bits(l.or(visible, other_visible)) != 0;
                 if is_seen {
                     is_idle = false;
-                    let [begin, middle, end] = left.bent_colours(l, field, &here, &bend);
+                    let colours = left.bent_colours(l, field, &here, &bend);
                     let others = right.bent_colours(l, field, &other_here, &other_bend);
-                    let [other_begin, other_middle, other_end] = others;
                     let paints = [
-                        left.paint_between(l, [begin, middle], &first),
-                        right.paint_between(l, [other_begin, other_middle], &other_first),
+                        left.paint_bent(l, &colours, 0, &first),
+                        right.paint_bent(l, &others, 0, &other_first),
                     ];
                     let pieces = [first, other_first];
-                    look(l, [left, right], pieces, paints, same, seen);
+                    look::<L, true>(l, [left, right], pieces, paints, same, seen);
                     let mut pieces = [second, other_second];
                     left.look_again(l, &mut pieces[0]);
                     right.look_again(l, &mut pieces[1]);
                     let paints = [
-                        left.paint_between(l, [middle, end], &pieces[0]),
-                        right.paint_between(l, [other_middle, other_end], &pieces[1]),
+                        left.paint_bent(l, &colours, 1, &pieces[0]),
+                        right.paint_bent(l, &others, 1, &pieces[1]),
                     ];
-                    look(l, [left, right], pieces, paints, same, seen);
+                    look::<L, true>(l, [left, right], pieces, paints, same, seen);
                 }
                 left.has_read_colours(is_seen);
                 right.has_read_colours(is_seen);
@@ -277,7 +279,7 @@ impl<L: Lanes> March<'_, L> {
                         left.paint(l, field, &here, &piece),
                         right.paint(l, field, &other_here, &other),
                     ];
-                    look(l, [left, right], [piece, other], paints, same, seen);
+                    look::<L, false>(l, [left, right], [piece, other], paints, same, seen);
                 }
             }
             left.leave_behind::<BENT>(here);
@@ -290,7 +292,7 @@ impl<L: Lanes> March<'_, L> {
 
 /// Adds what planes see of a piece to their pixels.
 #[inline(always)]
-fn look<L: Lanes>(
+fn look<L: Lanes, const BENT: bool>(
     l: L,
     [left, right]: [&mut Sight<L>; 2],
     [mut piece, mut other]: [Piece<L>; 2],
@@ -305,16 +307,16 @@ fn look<L: Lanes>(
             if l.bits(l.or(over, other_over)) == 0 {
                 break;
             }
-            left.finish(l, over, &mut piece, &mut paint, same, seen);
-            right.finish(l, other_over, &mut other, &mut other_paint, same, seen);
+            left.finish::<BENT>(l, over, &mut piece, &mut paint, same, seen);
+            right.finish::<BENT>(l, other_over, &mut other, &mut other_paint, same, seen);
         }
     } else {
         // Sixteen are enough to do at once, and seldom have as many borders to pass as the others.
-        left.finish_all(l, &mut piece, &mut paint, same, seen);
-        right.finish_all(l, &mut other, &mut other_paint, same, seen);
+        left.finish_all::<BENT>(l, &mut piece, &mut paint, same, seen);
+        right.finish_all::<BENT>(l, &mut other, &mut other_paint, same, seen);
     }
-    left.add(l, &piece, &paint);
-    right.add(l, &other, &other_paint);
+    left.add::<BENT>(l, &piece, &paint);
+    right.add::<BENT>(l, &other, &other_paint);
 }
 
 /// Behind which line planes are that pass, at the mirrored line `line` in `t`, the largest blocks

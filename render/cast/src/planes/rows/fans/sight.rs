@@ -3,7 +3,9 @@
 use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
-use crate::planes::profile::{Bend, Crossing, PlaneGroup, twice, upper_bytes};
+use crate::planes::profile::{
+    Bend, BentColours, Crossing, FINE, PlaneGroup, Texels, between, parts, twice, upper_bytes,
+};
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
 pub(super) const SAME: f32 = 5.0;
@@ -52,6 +54,8 @@ pub(super) struct Piece<L: Lanes> {
 /// The colours at a piece's ends, and how it rises.
 pub(super) struct Paint<L: Lanes> {
     ends: [[L::I; 2]; 2],
+    /// Of bent profiles, whose colours are [`FINE`] times as large: the middle of the parabola's polygon.
+    control: [L::I; 2],
     /// One over how much the slope grows.
     per_rise: L::F,
     /// How much of the way from end to end has been seen.
@@ -99,7 +103,7 @@ pub(super) struct Sight<L: Lanes> {
     /// these posts' colours, if they have been read.
     crossing: Crossing<L>,
     posts: [L::F; 2],
-    texels: [L::I; 2],
+    texels: Texels<L>,
     has_texels: bool,
 }
 
@@ -137,9 +141,9 @@ impl<L: Lanes> Sight<L> {
         let run = l.max(major[0], steep);
         let planes = PlaneGroup::new(l, &rays.advance);
         Self {
-            crossing: Crossing::new(l, field, &planes, field.major.cells[0]),
+            crossing: Crossing::new(l, field, &planes, field.major.cells[0], 0),
             posts: [zero; 2],
-            texels: [none; 2],
+            texels: [[none; 2]; 4],
             has_texels: false,
             planes,
             up,
@@ -173,7 +177,7 @@ impl<L: Lanes> Sight<L> {
     /// Goes on from a mirrored line, at t, without a look at what lies before it.
     #[inline(always)]
     pub(super) fn skip_to<const BENT: bool>(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
-        let there = self.line(l, field, line, t);
+        let there = self.line::<BENT>(l, field, line, t);
         self.leave_behind::<BENT>(there);
         self.has_texels = false;
         self.stay_over_ground(l, t);
@@ -197,8 +201,14 @@ impl<L: Lanes> Sight<L> {
 
     /// The mirrored line `line`, at t.
     #[inline(always)]
-    pub(super) fn line(&self, l: L, field: &Field<'_>, line: i32, t: f32) -> Line<L> {
-        let crossing = Crossing::new(l, field, &self.planes, line);
+    pub(super) fn line<const BENT: bool>(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        line: i32,
+        t: f32,
+    ) -> Line<L> {
+        let crossing = Crossing::new(l, field, &self.planes, line, i32::from(BENT));
         let posts = crossing.posts(l, field, &self.planes);
         let height = crossing.heights(l, field, posts);
         let inverse = 1.0 / t.max(NEAREST);
@@ -288,8 +298,10 @@ impl<L: Lanes> Sight<L> {
             here = l.and(self.live, l.lt(begin, end));
             let way = l.max(l.sub(to.t, from.t), l.splat(f32::MIN_POSITIVE));
             let rise = l.mul(l.sub(to.height, from.height), l.div(one, way));
-            let height = |t: L::F| l.add(from.height, l.mul(rise, l.sub(t, from.t)));
-            let heights = [height(begin), height(end)];
+            let heights = [
+                l.add(from.height, l.mul(rise, l.sub(begin, from.t))),
+                l.add(from.height, l.mul(rise, l.sub(end, from.t))),
+            ];
             let nearest = l.splat(NEAREST);
             inverses = [
                 l.div(one, l.max(begin, nearest)),
@@ -327,10 +339,7 @@ impl<L: Lanes> Sight<L> {
         piece: &Piece<L>,
     ) -> Paint<L> {
         let end = match field.colours {
-            Some(colours) => {
-                let texels = line.crossing.texels(l, field, &self.planes, colours);
-                line.crossing.colours(l, texels)
-            }
+            Some(colours) => line.crossing.colours(l, field, &self.planes, colours),
             None => [l.splat_i(0); 2],
         };
         // Where the line before was not seen, all that is seen lies close to this one.
@@ -344,12 +353,13 @@ impl<L: Lanes> Sight<L> {
         let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
         Paint {
             ends: [begin, end],
+            control: end,
             per_rise: l.div(l.splat(1.0), rise),
             done: l.splat(0.0),
         }
     }
 
-    /// The colours at the last line, where profiles are bent behind it, and at the next line.
+    /// The colours between the last line and the next one of profiles that are bent there.
     #[inline(always)]
     pub(super) fn bent_colours(
         &mut self,
@@ -357,34 +367,58 @@ impl<L: Lanes> Sight<L> {
         field: &Field<'_>,
         line: &Line<L>,
         bend: &Bend<L>,
-    ) -> [[L::I; 2]; 3] {
+    ) -> BentColours<L> {
         let Some(colours) = field.colours else {
-            return [[l.splat_i(0); 2]; 3];
+            let none = [l.splat_i(0); 2];
+            return BentColours {
+                ends: [none; 3],
+                controls: [none; 2],
+            };
         };
         if !self.has_texels {
             self.texels = self.crossing.texels(l, field, &self.planes, colours);
-            self.colours = self.crossing.colours(l, self.texels);
         }
         let texels = line.crossing.texels(l, field, &self.planes, colours);
-        let end = line.crossing.colours(l, texels);
-        let all = [self.colours, bend.colours(l, self.texels, texels), end];
+        let lines = [&self.crossing, &line.crossing];
+        let bent = bend.colours(l, lines, [&self.texels, &texels]);
         self.texels = texels;
-        self.colours = end;
-        all
+        self.colours = bent.ends[2];
+        bent
     }
 
-    /// The colours of a piece from one end to the other.
+    /// The colours of the first or the second piece of a bent profile.
     #[inline(always)]
-    pub(super) fn paint_between(&self, l: L, ends: [[L::I; 2]; 2], piece: &Piece<L>) -> Paint<L> {
+    pub(super) fn paint_bent(
+        &self,
+        l: L,
+        colours: &BentColours<L>,
+        number: usize,
+        piece: &Piece<L>,
+    ) -> Paint<L> {
         let [slope, end_slope] = piece.slopes;
         let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
         let per_rise = l.div(l.splat(1.0), rise);
         let hidden = l.mul(l.sub(self.horizon, slope), per_rise);
         Paint {
-            ends,
+            ends: [colours.ends[number], colours.ends[number + 1]],
+            control: colours.controls[number],
             per_rise,
             done: l.max(l.min(hidden, l.splat(1.0)), l.splat(0.0)),
         }
+    }
+
+    /// Goes on with straight profiles, of which colours and sums of light are in other parts.
+    #[inline(always)]
+    pub(super) fn straighten(&mut self, l: L) {
+        let shift = l.splat_i(FINE.trailing_zeros() as i32);
+        let half = twice(l, l.splat_i(FINE / 2));
+        let mask = l.splat_i(0x00ff_00ff);
+        let [red_blue, green_alpha] = self.colours;
+        self.colours = [
+            l.and_i(l.shr_i(l.add_i(red_blue, half), shift), mask),
+            l.and_i(l.shr_i(l.add_i(green_alpha, half), shift), mask),
+        ];
+        [self.red_blue, self.green_alpha] = straight(l, [self.red_blue, self.green_alpha]);
     }
 
     /// Over which planes' next borders a piece rises.
@@ -396,7 +430,7 @@ impl<L: Lanes> Sight<L> {
     /// Finishes the pixels of the planes `over` whose next borders a piece rises. Hits that are
     /// `same` times as far as others are taken for the same piece of ground.
     #[inline(always)]
-    pub(super) fn finish(
+    pub(super) fn finish<const BENT: bool>(
         &mut self,
         l: L,
         over: L::M,
@@ -409,11 +443,12 @@ impl<L: Lanes> Sight<L> {
         let share = l.mul(l.sub(self.high, piece.slopes[0]), paint.per_rise);
         let share = l.max(share, zero);
         let rest = l.sub_i(l.splat_i(PARTS as i32), self.parts);
-        let more = light(l, paint.ends, l.add(paint.done, share), rest);
+        let more = paint.light::<BENT>(l, l.add(paint.done, share), rest);
         let whole = [
             l.add_i(self.red_blue, more[0]),
             l.add_i(self.green_alpha, more[1]),
         ];
+        let whole = if BENT { straight(l, whole) } else { whole };
         paint.done = l.select(over, share, paint.done);
         let [from, to] = piece.inverses;
         let crossed = l.add(from, l.mul(l.sub(to, from), share));
@@ -447,7 +482,7 @@ impl<L: Lanes> Sight<L> {
 
     /// As `finish`, of all pixels whose upper borders a piece rises over.
     #[inline(always)]
-    pub(super) fn finish_all(
+    pub(super) fn finish_all<const BENT: bool>(
         &mut self,
         l: L,
         piece: &mut Piece<L>,
@@ -460,19 +495,19 @@ impl<L: Lanes> Sight<L> {
             if l.bits(over) == 0 {
                 return;
             }
-            self.finish(l, over, piece, paint, same, seen);
+            self.finish::<BENT>(l, over, piece, paint, same, seen);
         }
     }
 
     /// Adds what is left of a piece to the pixels under the next borders.
     #[inline(always)]
-    pub(super) fn add(&mut self, l: L, piece: &Piece<L>, paint: &Paint<L>) {
+    pub(super) fn add<const BENT: bool>(&mut self, l: L, piece: &Piece<L>, paint: &Paint<L>) {
         let up_to = l.mul(l.sub(piece.top, self.low), self.per_slope);
         let up_to = l.to_int(l.max(l.min(up_to, l.splat(PARTS)), l.splat(0.0)));
         let up_to = l.max_i(up_to, self.parts);
         let up_to = l.select_i(piece.visible, up_to, self.parts);
         let more = l.sub_i(up_to, self.parts);
-        let more = light(l, paint.ends, l.add(paint.done, l.splat(1.0)), more);
+        let more = paint.light::<BENT>(l, l.add(paint.done, l.splat(1.0)), more);
         self.red_blue = l.add_i(self.red_blue, more[0]);
         self.green_alpha = l.add_i(self.green_alpha, more[1]);
         self.parts = up_to;
@@ -519,29 +554,44 @@ impl<L: Lanes> Sight<L> {
     }
 }
 
-/// So many parts of the light of a piece of ground between two colours; it lies half of `twice_share`
-/// of the way from the first one to the second.
+impl<L: Lanes> Paint<L> {
+    /// So many parts of the light of a piece; it lies half of `twice_share` of the way along it.
+    #[inline(always)]
+    fn light<const BENT: bool>(&self, l: L, twice_share: L::F, number: L::I) -> [L::I; 2] {
+        let [begin, end] = self.ends;
+        if BENT {
+            let share = parts(l, l.mul(twice_share, l.splat(0.5)));
+            let one = between(l, begin, self.control, share);
+            let other = between(l, self.control, end, share);
+            let there = between(l, one, other, share);
+            // Of 2 ^ 15, of which there is one less.
+            let most = l.splat_i(i32::from(i16::MAX));
+            let number = twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most));
+            return between(l, [l.splat_i(0); 2], there, number);
+        }
+        let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
+        let of_end = l.shr_i(l.mul_halves(number, share), l.splat_i(7));
+        let of_begin = twice(l, l.sub_i(number, of_end));
+        let of_end = twice(l, of_end);
+        [
+            l.add_i(
+                l.mul_halves(begin[0], of_begin),
+                l.mul_halves(end[0], of_end),
+            ),
+            l.add_i(
+                l.mul_halves(begin[1], of_begin),
+                l.mul_halves(end[1], of_end),
+            ),
+        ]
+    }
+}
+
+/// Sums of light of straight profiles, from those of bent ones.
 #[inline(always)]
-fn light<L: Lanes>(
-    l: L,
-    [begin, end]: [[L::I; 2]; 2],
-    twice_share: L::F,
-    parts: L::I,
-) -> [L::I; 2] {
-    let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
-    let of_end = l.shr_i(l.mul_halves(parts, share), l.splat_i(7));
-    let of_begin = twice(l, l.sub_i(parts, of_end));
-    let of_end = twice(l, of_end);
-    [
-        l.add_i(
-            l.mul_halves(begin[0], of_begin),
-            l.mul_halves(end[0], of_end),
-        ),
-        l.add_i(
-            l.mul_halves(begin[1], of_begin),
-            l.mul_halves(end[1], of_end),
-        ),
-    ]
+fn straight<L: Lanes>(l: L, light: [L::I; 2]) -> [L::I; 2] {
+    // Sums of a whole pixel have 256 parts, of which 64 are in FINE.
+    let shift = l.splat_i(8 - FINE.trailing_zeros() as i32);
+    [l.shl_i(light[0], shift), l.shl_i(light[1], shift)]
 }
 
 /// Colours from sums of light in halves.
