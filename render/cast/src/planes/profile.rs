@@ -807,6 +807,66 @@ mod tests {
         });
     }
 
+    /// The colours of a bent profile's pieces are the ground's, however cells are twisted.
+    #[test]
+    fn bent_colours_are_the_grounds() {
+        each_field(|field, _, colours| {
+            let tiles = field.colours.expect("they were given");
+            let (mut found, mut crossing) = (0, 0);
+            for [first, more] in [[0.3, 1e-3], [0.9, -0.004], [0.05, 0.02]] {
+                let planes = planes(first, more);
+                let line = |line: i32| {
+                    let crossing = Crossing::new(Portable, field, &planes, line, 1);
+                    let texels = crossing.texels(Portable, field, &planes, tiles);
+                    (crossing, texels)
+                };
+                for number in (field.major.cells[0]..=field.major.cells[1]).step_by(3) {
+                    let [before, behind] = [line(number), line(number + 1)];
+                    let lines = [&before.0, &behind.0];
+                    let bend = Bend::new(Portable, &planes, lines[0], lines[1]);
+                    let bent = bend.colours(Portable, lines, [&before.1, &behind.1]);
+                    let t = number as f32 - field.major.fraction;
+                    for (k, &advance) in planes.advance.iter().enumerate() {
+                        let at = |share: f64| {
+                            let t = f64::from(t) + share;
+                            place(field, t, f64::from(advance) * t)
+                        };
+                        let inside = |[x, y]: [f64; 2]| {
+                            let last = [colours.cols(), colours.rows()].map(|n| f64::from(n - 1));
+                            (0.0..=last[0]).contains(&x) && (0.0..=last[1]).contains(&y)
+                        };
+                        if !inside(at(0.0)) || !inside(at(1.0)) {
+                            continue;
+                        }
+                        crossing += usize::from(bend.crosses[k] != 0);
+                        let share = f64::from(bend.share[k]);
+                        let red = |halves: &[[i32; LANES]; 2]| {
+                            f64::from(halves[0][k] & 0xffff) / f64::from(FINE)
+                        };
+                        for (piece, ends) in [[0.0, share], [share, 1.0]].into_iter().enumerate() {
+                            let [begin, end] = [&bent.ends[piece], &bent.ends[piece + 1]].map(red);
+                            let control = red(&bent.controls[piece]);
+                            for s in [0.0, 0.3, 0.5, 0.8, 1.0] {
+                                let [one, other] = [[begin, control], [control, end]]
+                                    .map(|[a, b]| a + (b - a) * s);
+                                let seen = one + (other - one) * s;
+                                let [x, y] = at(ends[0] + (ends[1] - ends[0]) * s);
+                                let ([col, row], [u, v]) = colours.locate(x, y);
+                                let [sw, se, nw, ne] =
+                                    colours.cell(col, row).map(|texel| f64::from(texel[0]));
+                                let (south, north) = (sw + (se - sw) * u, nw + (ne - nw) * u);
+                                let truth = south + (north - south) * v;
+                                assert!((seen - truth).abs() < 0.5, "{seen}, {truth} at {s}");
+                                found += 1;
+                            }
+                        }
+                    }
+                }
+            }
+            assert!(found > 10_000 && crossing > 500, "{found}, {crossing}");
+        });
+    }
+
     /// Bends lie on the ground, too, and nowhere is it far from the straight pieces between: where cells
     /// are not twisted it is on them.
     #[test]
