@@ -259,14 +259,11 @@ impl<L: Lanes> Crossing<L> {
         colours: &Tiles<'_, [u8; 4]>,
     ) -> Texels<L> {
         let posts = match &self.window {
-            Some(window) => match window.read(l, field, planes, colours) {
-                Some(posts) => Some((window, posts)),
-                None => None,
-            },
+            Some(window) => window.read(l, field, planes, colours),
             None => None,
         };
-        let [before, near, far, behind] = match posts {
-            Some((window, posts)) => {
+        let [before, near, far, behind] = match (&self.window, posts) {
+            (Some(window), Some(posts)) => {
                 let (at, next) = self.place(l, field);
                 let ends = [l.splat_i(0), l.splat_i(window.count - 1)];
                 let before = l.sub_i(at, l.splat_i(next));
@@ -280,7 +277,7 @@ impl<L: Lanes> Crossing<L> {
                     l.among(posts, behind),
                 ]
             }
-            None => [
+            _ => [
                 self.texel_apart(l, field, colours, -1),
                 self.texel_apart(l, field, colours, 0),
                 self.texel_apart(l, field, colours, 1),

@@ -23,7 +23,7 @@ pub(super) struct Rays {
     pub(super) parts: Each,
     /// The slope up to which the ground has been seen, or is not to be looked at.
     pub(super) horizon: Each,
-    /// As [`PlaneGroup`] has it.
+    /// Cells along the minor axis for each one along the major axis.
     pub(super) advance: Each,
     /// The t at which planes come over the ground and leave it.
     pub(super) enter: Each,
