@@ -4,6 +4,7 @@
 mod between;
 mod fan;
 mod march;
+mod paint;
 mod rays;
 mod sight;
 

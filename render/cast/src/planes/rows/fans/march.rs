@@ -3,8 +3,9 @@
 use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
+use super::paint::Paint;
 use super::rays::Rays;
-use super::sight::{Outlook, Paint, Piece, SAME, Sight};
+use super::sight::{Outlook, Piece, SAME, Sight};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::field::Field;
 use crate::planes::profile::{PASSED, ceiling};
@@ -241,6 +242,7 @@ impl<L: Lanes> March<'_, L> {
             let end = (line as f32 - field.major.fraction) * field.scale;
             let here = left.line::<BENT>(l, field, line, end);
             let other_here = right.line::<BENT>(l, field, line, end);
+            let is_seen;
             if BENT {
                 let (pieces, bend) = left.bent(l, field, &here, [t, end]);
                 let (other_pieces, other_bend) = right.bent(l, field, &other_here, [t, end]);
@@ -248,9 +250,8 @@ impl<L: Lanes> March<'_, L> {
                 let [other_first, other_second] = other_pieces;
                 let visible = l.or(first.visible, second.visible);
                 let other_visible = l.or(other_first.visible, other_second.visible);
-                let is_seen = l.bits(l.or(visible, other_visible)) != 0;
+                is_seen = l.bits(l.or(visible, other_visible)) != 0;
                 if is_seen {
-                    is_idle = false;
                     let colours = left.bent_colours(l, field, &here, &bend);
                     let others = right.bent_colours(l, field, &other_here, &other_bend);
                     let paints = [
@@ -268,13 +269,11 @@ impl<L: Lanes> March<'_, L> {
                     ];
                     look::<L, true>(l, [left, right], pieces, paints, same, seen);
                 }
-                left.has_read_colours(is_seen);
-                right.has_read_colours(is_seen);
             } else {
                 let piece = left.piece(l, &here, [t, end]);
                 let other = right.piece(l, &other_here, [t, end]);
-                if l.bits(l.or(piece.visible, other.visible)) != 0 {
-                    is_idle = false;
+                is_seen = l.bits(l.or(piece.visible, other.visible)) != 0;
+                if is_seen {
                     let paints = [
                         left.paint(l, field, &here, &piece),
                         right.paint(l, field, &other_here, &other),
@@ -282,8 +281,9 @@ impl<L: Lanes> March<'_, L> {
                     look::<L, false>(l, [left, right], [piece, other], paints, same, seen);
                 }
             }
-            left.leave_behind::<BENT>(here);
-            right.leave_behind::<BENT>(other_here);
+            is_idle &= !is_seen;
+            left.leave_behind::<BENT>(here, is_seen);
+            right.leave_behind::<BENT>(other_here, is_seen);
             t = end;
         }
         None

@@ -1,11 +1,10 @@
 //! What sixteen planes see of the ground: light, pixel by pixel, over a horizon that rises.
 
+use super::paint::{Paint, packed, straight};
 use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
-use crate::planes::profile::{
-    Bend, BentColours, Crossing, FINE, PlaneGroup, Texels, between, parts, twice, upper_bytes,
-};
+use crate::planes::profile::{Bend, BentColours, Crossing, PlaneGroup, Texels, coarse_halves};
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
 pub(super) const SAME: f32 = 5.0;
@@ -51,15 +50,16 @@ pub(super) struct Piece<L: Lanes> {
     pub(super) visible: L::M,
 }
 
-/// The colours at a piece's ends, and how it rises.
-pub(super) struct Paint<L: Lanes> {
-    ends: [[L::I; 2]; 2],
-    /// Of bent profiles, whose colours are [`FINE`] times as large: the middle of the parabola's polygon.
-    control: [L::I; 2],
+impl<L: Lanes> Piece<L> {
     /// One over how much the slope grows.
-    per_rise: L::F,
-    /// How much of the way from end to end has been seen.
-    done: L::F,
+    #[inline(always)]
+    fn per_rise(&self, l: L) -> L::F {
+        let rise = l.max(
+            l.sub(self.slopes[1], self.slopes[0]),
+            l.splat(f32::MIN_POSITIVE),
+        );
+        l.div(l.splat(1.0), rise)
+    }
 }
 
 /// What sixteen planes have seen so far.
@@ -178,8 +178,7 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     pub(super) fn skip_to<const BENT: bool>(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
         let there = self.line::<BENT>(l, field, line, t);
-        self.leave_behind::<BENT>(there);
-        self.has_texels = false;
+        self.leave_behind::<BENT>(there, false);
         self.stay_over_ground(l, t);
     }
 
@@ -343,18 +342,17 @@ impl<L: Lanes> Sight<L> {
             None => [l.splat_i(0); 2],
         };
         // Where the line before was not seen, all that is seen lies close to this one.
-        let [slope, end_slope] = piece.slopes;
+        let slope = piece.slopes[0];
         let unseen = l.or(l.lt(slope, self.horizon), l.lt(self.horizon, slope));
         let begin = [
             l.select_i(unseen, end[0], self.colours[0]),
             l.select_i(unseen, end[1], self.colours[1]),
         ];
         self.colours = end;
-        let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
         Paint {
             ends: [begin, end],
             control: end,
-            per_rise: l.div(l.splat(1.0), rise),
+            per_rise: piece.per_rise(l),
             done: l.splat(0.0),
         }
     }
@@ -395,10 +393,8 @@ impl<L: Lanes> Sight<L> {
         number: usize,
         piece: &Piece<L>,
     ) -> Paint<L> {
-        let [slope, end_slope] = piece.slopes;
-        let rise = l.max(l.sub(end_slope, slope), l.splat(f32::MIN_POSITIVE));
-        let per_rise = l.div(l.splat(1.0), rise);
-        let hidden = l.mul(l.sub(self.horizon, slope), per_rise);
+        let per_rise = piece.per_rise(l);
+        let hidden = l.mul(l.sub(self.horizon, piece.slopes[0]), per_rise);
         Paint {
             ends: [colours.ends[number], colours.ends[number + 1]],
             control: colours.controls[number],
@@ -410,14 +406,7 @@ impl<L: Lanes> Sight<L> {
     /// Goes on with straight profiles, of which colours and sums of light are in other parts.
     #[inline(always)]
     pub(super) fn straighten(&mut self, l: L) {
-        let shift = l.splat_i(FINE.trailing_zeros() as i32);
-        let half = twice(l, l.splat_i(FINE / 2));
-        let mask = l.splat_i(0x00ff_00ff);
-        let [red_blue, green_alpha] = self.colours;
-        self.colours = [
-            l.and_i(l.shr_i(l.add_i(red_blue, half), shift), mask),
-            l.and_i(l.shr_i(l.add_i(green_alpha, half), shift), mask),
-        ];
+        self.colours = coarse_halves(l, self.colours);
         [self.red_blue, self.green_alpha] = straight(l, [self.red_blue, self.green_alpha]);
     }
 
@@ -515,21 +504,16 @@ impl<L: Lanes> Sight<L> {
         self.far = l.select(piece.visible, piece.inverses[1], self.far);
     }
 
-    /// Goes on from a line.
+    /// Goes on from a line, of which the colours have been read or not.
     #[inline(always)]
-    pub(super) fn leave_behind<const BENT: bool>(&mut self, line: Line<L>) {
+    pub(super) fn leave_behind<const BENT: bool>(&mut self, line: Line<L>, has_texels: bool) {
         self.height = line.height;
         self.slope = line.slope;
         if BENT {
             self.crossing = line.crossing;
             self.posts = line.posts;
+            self.has_texels = has_texels;
         }
-    }
-
-    /// Whether the colours of the posts are known around where planes cross the last line.
-    #[inline(always)]
-    pub(super) fn has_read_colours(&mut self, has: bool) {
-        self.has_texels = has;
     }
 
     /// Writes the pixels in which the ground ends. Gives for each plane how many of its pixels come
@@ -552,52 +536,4 @@ impl<L: Lanes> Sight<L> {
         l.scatter_pairs(has_pixel, self.place, [colours, at], seen);
         l.to_int(l.min(self.border, self.steps))
     }
-}
-
-impl<L: Lanes> Paint<L> {
-    /// So many parts of the light of a piece; it lies half of `twice_share` of the way along it.
-    #[inline(always)]
-    fn light<const BENT: bool>(&self, l: L, twice_share: L::F, number: L::I) -> [L::I; 2] {
-        let [begin, end] = self.ends;
-        if BENT {
-            let share = parts(l, l.mul(twice_share, l.splat(0.5)));
-            let one = between(l, begin, self.control, share);
-            let other = between(l, self.control, end, share);
-            let there = between(l, one, other, share);
-            // Of 2 ^ 15, of which there is one less.
-            let most = l.splat_i(i32::from(i16::MAX));
-            let number = twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most));
-            return between(l, [l.splat_i(0); 2], there, number);
-        }
-        let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
-        let of_end = l.shr_i(l.mul_halves(number, share), l.splat_i(7));
-        let of_begin = twice(l, l.sub_i(number, of_end));
-        let of_end = twice(l, of_end);
-        [
-            l.add_i(
-                l.mul_halves(begin[0], of_begin),
-                l.mul_halves(end[0], of_end),
-            ),
-            l.add_i(
-                l.mul_halves(begin[1], of_begin),
-                l.mul_halves(end[1], of_end),
-            ),
-        ]
-    }
-}
-
-/// Sums of light of straight profiles, from those of bent ones.
-#[inline(always)]
-fn straight<L: Lanes>(l: L, light: [L::I; 2]) -> [L::I; 2] {
-    // Sums of a whole pixel have 256 parts, of which 64 are in FINE.
-    let shift = l.splat_i(8 - FINE.trailing_zeros() as i32);
-    [l.shl_i(light[0], shift), l.shl_i(light[1], shift)]
-}
-
-/// Colours from sums of light in halves.
-#[inline(always)]
-fn packed<L: Lanes>(l: L, [red_blue, green_alpha]: [L::I; 2]) -> L::I {
-    let green_alpha = l.add_i(green_alpha, l.splat_i(0x0080_0080));
-    let green_alpha = l.and_i(green_alpha, l.splat_i(0xff00_ff00_u32 as i32));
-    l.add_i(upper_bytes(l, red_blue), green_alpha)
 }
