@@ -19,8 +19,8 @@ pub(in crate::planes) struct Bend<L: Lanes> {
     aside: [L::F; 2],
 }
 
-/// The colours of a bent profile: where its two pieces begin and end, and the middles of the parabolas'
-/// polygons that they are, of cells that are twisted.
+/// The colours of a bent profile: where its two pieces begin and end, and of each piece, which is a parabola
+/// where its cell is twisted, the middle point of the parabola's control polygon.
 pub(in crate::planes) struct BentColours<L: Lanes> {
     pub(in crate::planes) ends: [[L::I; 2]; 3],
     pub(in crate::planes) controls: [[L::I; 2]; 2],

@@ -121,7 +121,8 @@ impl<L: Lanes> Crossing<L> {
     }
 
     /// The colours of four posts of each plane's line: the one before the near one, that and the far one,
-    /// and the one behind; in halves, [`FINE`] times as large. Such as there is not are any.
+    /// and the one behind; in halves, [`FINE`](super::FINE) times as large. Where there is no such post, it
+    /// is any number.
     #[inline(always)]
     pub(in crate::planes) fn texels(
         &self,

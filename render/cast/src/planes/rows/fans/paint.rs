@@ -51,10 +51,10 @@ impl<L: Lanes> Paint<L> {
     }
 }
 
-/// Sums of light of straight profiles, from those of bent ones.
+/// Sums of light of straight profiles, of which a whole pixel's is its colour [`PARTS`](super::rays::PARTS)
+/// times, from those of bent ones, of which it is that [`FINE`] times.
 #[inline(always)]
 pub(super) fn straight<L: Lanes>(l: L, light: [L::I; 2]) -> [L::I; 2] {
-    // Sums of a whole pixel have 256 parts, of which 64 are in FINE.
     let shift = l.splat_i(8 - FINE.trailing_zeros() as i32);
     [l.shl_i(light[0], shift), l.shl_i(light[1], shift)]
 }
