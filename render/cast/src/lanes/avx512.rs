@@ -281,8 +281,6 @@ impl Lanes for Avx512 {
     type I = __m512i;
     type M = __mmask16;
 
-    const IS_ONE_REGISTER: bool = true;
-
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
         on_values!(run(work))

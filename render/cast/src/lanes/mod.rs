@@ -66,8 +66,6 @@ pub(crate) trait Lanes: Copy {
     /// Whether work is better done in one loop than in several: so it is where registers are so small
     /// that what is kept between loops costs more than what a processor gains by doing more at once.
     const IN_ONE_LOOP: bool = false;
-    /// Whether one register holds a group: then a processor has the room to do two groups' work at once.
-    const IS_ONE_REGISTER: bool = false;
 
     /// Runs `work`, in which this instruction set may be used, out of line.
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R;

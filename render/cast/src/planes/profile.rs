@@ -3,17 +3,17 @@
 
 mod axis;
 mod bend;
-mod ceiling;
 mod crossing;
 mod halves;
+mod outlook;
 #[cfg(test)]
 mod tests;
 mod window;
 
 pub(super) use bend::{Bend, BentColours};
-pub(super) use ceiling::{PASSED, ceiling};
 pub(super) use crossing::{Crossing, Texels};
 pub(super) use halves::{FINE, between, coarse_halves, halves, parts, twice, upper_bytes};
+pub(super) use outlook::{Outlook, passed};
 
 use self::window::ROWS_AHEAD;
 use crate::lanes::{LANES, Lanes};

@@ -79,7 +79,7 @@ impl Roofs {
 }
 
 /// The numbers of a roof: its height over the block's middle, and its rises.
-fn numbers([height, rises]: Roof) -> [f32; 3] {
+pub(super) fn numbers([height, rises]: Roof) -> [f32; 3] {
     [height, rises << 16, rises & UPPER].map(f32::from_bits)
 }
 

@@ -3,12 +3,10 @@
 use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
-use super::paint::Paint;
 use super::rays::Rays;
-use super::sight::{Outlook, Piece, SAME, Sight};
+use super::sight::{SAME, Sight};
 use crate::lanes::{LANES, Lanes};
-use crate::planes::field::Field;
-use crate::planes::profile::{PASSED, ceiling};
+use crate::planes::profile::passed;
 
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
 pub(super) const PLANES: usize = 2 * LANES;
@@ -21,6 +19,9 @@ const FINEST: f32 = 2.6;
 /// How many cells of the finest level a pixel may cover, in the same way, up to which profiles are bent
 /// between lines of posts; of wider pixels straight ones are as near to the truth as pixels are.
 const BENT: f32 = 1.3;
+
+/// For how many lines nothing has been seen before it is asked whether blocks may be passed.
+const IDLE: u32 = 4;
 
 /// In which of the ground's resolutions planes are: in the one that suits a plane in their midst.
 struct Resolution {
@@ -77,9 +78,9 @@ struct Way {
     line: i32,
     t: f32,
     /// Whether what lies before this line has not been looked at, so that its heights are not known;
-    /// and whether nothing was seen since the last blocks began.
+    /// and how many lines ago something was seen.
     has_skipped: bool,
-    is_idle: bool,
+    idle: u32,
 }
 
 impl<L: Lanes> March<'_, L> {
@@ -161,7 +162,7 @@ impl<L: Lanes> March<'_, L> {
             line,
             t: (line as f32 - field.major.fraction) * field.scale,
             has_skipped: true,
-            is_idle: true,
+            idle: IDLE,
             at,
         }
     }
@@ -185,7 +186,7 @@ impl<L: Lanes> March<'_, L> {
             mut line,
             mut t,
             mut has_skipped,
-            mut is_idle,
+            mut idle,
         } = way;
         let mut field = &self.fields[at.level];
         while l.bits(l.or(left.live, right.live)) != 0 {
@@ -206,29 +207,26 @@ impl<L: Lanes> March<'_, L> {
                         line,
                         t,
                         has_skipped,
-                        is_idle,
+                        idle,
                     });
                 }
             }
-            if field.major.is_block(line) {
-                if is_idle {
-                    // Apart, and made for the instruction set: it is seldom asked for. It gets copies, as
-                    // what it might reach would have to lie in memory, all of the time.
-                    let (outlooks, limit) = ([left.outlook(), right.outlook()], at.limit);
-                    let passed = l.vectorize(
-                        #[inline(always)]
-                        move || passed(l, field, outlooks, line, t, limit),
-                    );
-                    if let Some(behind) = passed {
-                        line = behind;
-                        t = (line as f32 - field.major.fraction) * field.scale;
-                        left.stay_over_ground(l, t);
-                        right.stay_over_ground(l, t);
-                        has_skipped = true;
-                        continue;
-                    }
+            if idle >= IDLE && field.major.is_block(line) {
+                // Apart, and made for the instruction set: it is seldom asked for. It gets copies, as
+                // what it might reach would have to lie in memory, all of the time.
+                let (outlooks, limit) = ([left.outlook(), right.outlook()], at.limit);
+                let passed = l.vectorize(
+                    #[inline(always)]
+                    move || passed(l, field, outlooks, line, limit),
+                );
+                if let Some(behind) = passed {
+                    line = behind;
+                    t = (line as f32 - field.major.fraction) * field.scale;
+                    left.stay_over_ground(l, t);
+                    right.stay_over_ground(l, t);
+                    has_skipped = true;
+                    continue;
                 }
-                is_idle = true;
             }
             if has_skipped {
                 left.skip_to::<BENT>(l, field, line, t);
@@ -240,106 +238,19 @@ impl<L: Lanes> March<'_, L> {
                 break;
             }
             let end = (line as f32 - field.major.fraction) * field.scale;
+            // Both are read before either is looked at.
             let here = left.line::<BENT>(l, field, line, end);
             let other_here = right.line::<BENT>(l, field, line, end);
-            let is_seen;
-            if BENT {
-                let (pieces, bend) = left.bent(l, field, &here, [t, end]);
-                let (other_pieces, other_bend) = right.bent(l, field, &other_here, [t, end]);
-                let [first, second] = pieces;
-                let [other_first, other_second] = other_pieces;
-                let visible = l.or(first.visible, second.visible);
-                let other_visible = l.or(other_first.visible, other_second.visible);
-                is_seen = l.bits(l.or(visible, other_visible)) != 0;
-                if is_seen {
-                    let colours = left.bent_colours(l, field, &here, &bend);
-                    let others = right.bent_colours(l, field, &other_here, &other_bend);
-                    let paints = [
-                        left.paint_bent(l, &colours, 0, &first),
-                        right.paint_bent(l, &others, 0, &other_first),
-                    ];
-                    let pieces = [first, other_first];
-                    look::<L, true>(l, [left, right], pieces, paints, same, seen);
-                    let mut pieces = [second, other_second];
-                    left.look_again(l, &mut pieces[0]);
-                    right.look_again(l, &mut pieces[1]);
-                    let paints = [
-                        left.paint_bent(l, &colours, 1, &pieces[0]),
-                        right.paint_bent(l, &others, 1, &pieces[1]),
-                    ];
-                    look::<L, true>(l, [left, right], pieces, paints, same, seen);
-                }
+            let between = [t, end];
+            let is_seen = left.look::<BENT>(l, field, here, between, same, seen);
+            let other_is_seen = right.look::<BENT>(l, field, other_here, between, same, seen);
+            idle = if is_seen || other_is_seen {
+                0
             } else {
-                let piece = left.piece(l, &here, [t, end]);
-                let other = right.piece(l, &other_here, [t, end]);
-                is_seen = l.bits(l.or(piece.visible, other.visible)) != 0;
-                if is_seen {
-                    let paints = [
-                        left.paint(l, field, &here, &piece),
-                        right.paint(l, field, &other_here, &other),
-                    ];
-                    look::<L, false>(l, [left, right], [piece, other], paints, same, seen);
-                }
-            }
-            is_idle &= !is_seen;
-            left.leave_behind::<BENT>(here, is_seen);
-            right.leave_behind::<BENT>(other_here, is_seen);
+                idle + 1
+            };
             t = end;
         }
         None
     }
-}
-
-/// Adds what planes see of a piece to their pixels.
-#[inline(always)]
-fn look<L: Lanes, const BENT: bool>(
-    l: L,
-    [left, right]: [&mut Sight<L>; 2],
-    [mut piece, mut other]: [Piece<L>; 2],
-    [mut paint, mut other_paint]: [Paint<L>; 2],
-    same: f32,
-    seen: &mut [[i32; 2]],
-) {
-    if L::IS_ONE_REGISTER {
-        loop {
-            let over = left.over(l, &piece);
-            let other_over = right.over(l, &other);
-            if l.bits(l.or(over, other_over)) == 0 {
-                break;
-            }
-            left.finish::<BENT>(l, over, &mut piece, &mut paint, same, seen);
-            right.finish::<BENT>(l, other_over, &mut other, &mut other_paint, same, seen);
-        }
-    } else {
-        // Sixteen are enough to do at once, and seldom have as many borders to pass as the others.
-        left.finish_all::<BENT>(l, &mut piece, &mut paint, same, seen);
-        right.finish_all::<BENT>(l, &mut other, &mut other_paint, same, seen);
-    }
-    left.add::<BENT>(l, &piece, &paint);
-    right.add::<BENT>(l, &other, &other_paint);
-}
-
-/// Behind which line planes are that pass, at the mirrored line `line` in `t`, the largest blocks
-/// that end before `limit` and whose ground is hidden from all of them.
-#[inline(always)]
-fn passed<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    [left, right]: [Outlook<L>; 2],
-    line: i32,
-    t: f32,
-    limit: f32,
-) -> Option<i32> {
-    for level in PASSED {
-        let behind = line + (1 << level);
-        let end = (behind as f32 - field.major.fraction) * field.scale;
-        if end <= limit
-            && let Some(ceiling) = ceiling(field, [left.outer, right.outer], line, level)
-            && left.hides(l, ceiling, [t, end])
-            && right.hides(l, ceiling, [t, end])
-        {
-            return Some(behind);
-        }
-    }
-    None
 }

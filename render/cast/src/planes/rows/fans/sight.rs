@@ -4,7 +4,9 @@ use super::paint::{Paint, packed, straight};
 use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
-use crate::planes::profile::{Bend, BentColours, Crossing, PlaneGroup, Texels, coarse_halves};
+use crate::planes::profile::{
+    Bend, BentColours, Crossing, Outlook, PlaneGroup, Texels, coarse_halves,
+};
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
 pub(super) const SAME: f32 = 5.0;
@@ -38,7 +40,7 @@ struct Place<L: Lanes> {
 }
 
 /// A straight piece of sixteen profiles, as far as there is ground.
-pub(super) struct Piece<L: Lanes> {
+struct Piece<L: Lanes> {
     /// At both ends the slopes from the eye, and 1 / t.
     slopes: [L::F; 2],
     inverses: [L::F; 2],
@@ -47,7 +49,7 @@ pub(super) struct Piece<L: Lanes> {
     /// Which planes are over ground there.
     here: L::M,
     /// Which planes see some of it.
-    pub(super) visible: L::M,
+    visible: L::M,
 }
 
 impl<L: Lanes> Piece<L> {
@@ -105,27 +107,6 @@ pub(super) struct Sight<L: Lanes> {
     posts: [L::F; 2],
     texels: Texels<L>,
     has_texels: bool,
-}
-
-/// What sixteen planes may still see.
-pub(super) struct Outlook<L: Lanes> {
-    /// By how much the first and the last plane advance.
-    pub(super) outer: [f32; 2],
-    live: L::M,
-    horizon: L::F,
-}
-
-impl<L: Lanes> Outlook<L> {
-    /// Whether ground no higher than `ceiling` over the eye is hidden from one t to another.
-    #[inline(always)]
-    pub(super) fn hides(&self, l: L, ceiling: f32, [from, to]: [f32; 2]) -> bool {
-        let ceiling = l.splat(ceiling);
-        let below = l.and(
-            l.lt(ceiling, l.mul(self.horizon, l.splat(from))),
-            l.lt(ceiling, l.mul(self.horizon, l.splat(to))),
-        );
-        l.bits(l.and_not(self.live, below)) == 0
-    }
 }
 
 impl<L: Lanes> Sight<L> {
@@ -191,11 +172,7 @@ impl<L: Lanes> Sight<L> {
     /// What tells which ground is hidden.
     #[inline(always)]
     pub(super) fn outlook(&self) -> Outlook<L> {
-        Outlook {
-            outer: self.planes.outer,
-            live: self.live,
-            horizon: self.horizon,
-        }
+        Outlook::new(&self.planes, self.live, self.horizon)
     }
 
     /// The mirrored line `line`, at t.
@@ -239,6 +216,43 @@ impl<L: Lanes> Sight<L> {
         ]
     }
 
+    /// Looks at what lies between the last line, at the first t, and the next one, at the second, and goes
+    /// on from there. Hits that are `same` times as far as others are taken for the same piece of ground.
+    /// Gives whether planes see some of it.
+    #[inline(always)]
+    pub(super) fn look<const BENT: bool>(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: Line<L>,
+        between: [f32; 2],
+        same: f32,
+        seen: &mut [[i32; 2]],
+    ) -> bool {
+        let is_seen;
+        if BENT {
+            let ([first, mut second], bend) = self.bent(l, field, &line, between);
+            is_seen = l.bits(l.or(first.visible, second.visible)) != 0;
+            if is_seen {
+                let colours = self.bent_colours(l, field, &line, &bend);
+                let paint = self.paint_bent(l, &colours, 0, &first);
+                self.add::<true>(l, first, paint, same, seen);
+                self.look_again(l, &mut second);
+                let paint = self.paint_bent(l, &colours, 1, &second);
+                self.add::<true>(l, second, paint, same, seen);
+            }
+        } else {
+            let piece = self.piece(l, &line, between);
+            is_seen = l.bits(piece.visible) != 0;
+            if is_seen {
+                let paint = self.paint(l, field, &line, &piece);
+                self.add::<false>(l, piece, paint, same, seen);
+            }
+        }
+        self.leave_behind::<BENT>(line, is_seen);
+        is_seen
+    }
+
     /// Whether the ground begins or ends between two t.
     #[inline(always)]
     fn is_at_border(&self, [t, end]: [f32; 2]) -> bool {
@@ -249,14 +263,14 @@ impl<L: Lanes> Sight<L> {
     /// The piece from the last line, at the first t, to the next one, at the second. Planes that have left
     /// the ground before go on no further.
     #[inline(always)]
-    pub(super) fn piece(&mut self, l: L, line: &Line<L>, between: [f32; 2]) -> Piece<L> {
+    fn piece(&mut self, l: L, line: &Line<L>, between: [f32; 2]) -> Piece<L> {
         let ends = self.ends(l, line, between);
         self.straight(l, ends, self.is_at_border(between))
     }
 
     /// As `piece`, in two straight ones.
     #[inline(always)]
-    pub(super) fn bent(
+    fn bent(
         &mut self,
         l: L,
         field: &Field<'_>,
@@ -323,20 +337,14 @@ impl<L: Lanes> Sight<L> {
 
     /// Looks again which planes see some of a piece, after the one before it has been looked at.
     #[inline(always)]
-    pub(super) fn look_again(&self, l: L, piece: &mut Piece<L>) {
+    fn look_again(&self, l: L, piece: &mut Piece<L>) {
         let here = l.and(piece.here, self.live);
         piece.visible = l.and(here, l.lt(self.horizon, piece.top));
     }
 
     /// The colours of a piece that ends at a line.
     #[inline(always)]
-    pub(super) fn paint(
-        &mut self,
-        l: L,
-        field: &Field<'_>,
-        line: &Line<L>,
-        piece: &Piece<L>,
-    ) -> Paint<L> {
+    fn paint(&mut self, l: L, field: &Field<'_>, line: &Line<L>, piece: &Piece<L>) -> Paint<L> {
         let end = match field.colours {
             Some(colours) => line.crossing.colours(l, field, &self.planes, colours),
             None => [l.splat_i(0); 2],
@@ -359,7 +367,7 @@ impl<L: Lanes> Sight<L> {
 
     /// The colours between the last line and the next one of profiles that are bent there.
     #[inline(always)]
-    pub(super) fn bent_colours(
+    fn bent_colours(
         &mut self,
         l: L,
         field: &Field<'_>,
@@ -386,7 +394,7 @@ impl<L: Lanes> Sight<L> {
 
     /// The colours of the first or the second piece of a bent profile.
     #[inline(always)]
-    pub(super) fn paint_bent(
+    fn paint_bent(
         &self,
         l: L,
         colours: &BentColours<L>,
@@ -412,14 +420,13 @@ impl<L: Lanes> Sight<L> {
 
     /// Over which planes' next borders a piece rises.
     #[inline(always)]
-    pub(super) fn over(&self, l: L, piece: &Piece<L>) -> L::M {
+    fn over(&self, l: L, piece: &Piece<L>) -> L::M {
         l.and(piece.visible, l.le(self.high, piece.top))
     }
 
-    /// Finishes the pixels of the planes `over` whose next borders a piece rises. Hits that are
-    /// `same` times as far as others are taken for the same piece of ground.
+    /// Finishes the pixels of the planes `over` whose next borders a piece rises; `same` as `look` has it.
     #[inline(always)]
-    pub(super) fn finish<const BENT: bool>(
+    fn finish<const BENT: bool>(
         &mut self,
         l: L,
         over: L::M,
@@ -469,28 +476,25 @@ impl<L: Lanes> Sight<L> {
         self.live = l.and_not(self.live, is_done);
     }
 
-    /// As `finish`, of all pixels whose upper borders a piece rises over.
+    /// Adds what planes see of a piece to their pixels. Of these it finishes sixteen at once: more would
+    /// seldom have as many borders to pass as each other.
     #[inline(always)]
-    pub(super) fn finish_all<const BENT: bool>(
+    fn add<const BENT: bool>(
         &mut self,
         l: L,
-        piece: &mut Piece<L>,
-        paint: &mut Paint<L>,
+        mut piece: Piece<L>,
+        mut paint: Paint<L>,
         same: f32,
         seen: &mut [[i32; 2]],
     ) {
         loop {
-            let over = self.over(l, piece);
+            let over = self.over(l, &piece);
             if l.bits(over) == 0 {
-                return;
+                break;
             }
-            self.finish::<BENT>(l, over, piece, paint, same, seen);
+            self.finish::<BENT>(l, over, &mut piece, &mut paint, same, seen);
         }
-    }
-
-    /// Adds what is left of a piece to the pixels under the next borders.
-    #[inline(always)]
-    pub(super) fn add<const BENT: bool>(&mut self, l: L, piece: &Piece<L>, paint: &Paint<L>) {
+        // What is left lies under the next borders.
         let up_to = l.mul(l.sub(piece.top, self.low), self.per_slope);
         let up_to = l.to_int(l.max(l.min(up_to, l.splat(PARTS)), l.splat(0.0)));
         let up_to = l.max_i(up_to, self.parts);
@@ -506,7 +510,7 @@ impl<L: Lanes> Sight<L> {
 
     /// Goes on from a line, of which the colours have been read or not.
     #[inline(always)]
-    pub(super) fn leave_behind<const BENT: bool>(&mut self, line: Line<L>, has_texels: bool) {
+    fn leave_behind<const BENT: bool>(&mut self, line: Line<L>, has_texels: bool) {
         self.height = line.height;
         self.slope = line.slope;
         if BENT {
