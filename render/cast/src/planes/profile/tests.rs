@@ -236,68 +236,88 @@ fn bends_are_the_grounds() {
     );
 }
 
-/// Where blocks are passed, no plane that goes on sees any ground of theirs; and most blocks of which none
-/// is seen are passed.
+/// The highest slope at which a plane sees the ground that it crosses along so many lines from `line` on.
+fn highest_slope(field: &Field<'_>, ground: &Ground, advance: f32, line: i32, count: i32) -> f64 {
+    let places = (0..3 * count).map(|third| f64::from(line) + f64::from(third) / 3.0);
+    let slopes = places.filter_map(|line| {
+        let t = line - f64::from(field.major.fraction);
+        let height = ground_height(field, ground, t, f64::from(advance) * t)?;
+        Some((height - f64::from(field.eye_height)) / t.max(0.1))
+    });
+    slopes.fold(-1e3, f64::max)
+}
+
+/// Looks from where every row of blocks begins, over horizons that lie so many metres over the ground there
+/// or a little more. Where blocks are passed, no plane that goes on must see any ground of theirs. Gives of
+/// how many rows nothing is seen, and how many lines are passed.
+fn pass_blocks(field: &Field<'_>, ground: &Ground, metres: [f64; 3]) -> [i32; 2] {
+    let (mut hidden, mut lines) = (0, 0);
+    for (number, [first, more]) in GROUPS.into_iter().enumerate() {
+        let groups = [0.0, 16.0].map(|k| planes(first + more * k, more));
+        let blocks = field.major.cells[0]..=field.major.cells[1] + 1;
+        for (at, from) in blocks
+            .filter(|&line| field.major.is_block(line))
+            .enumerate()
+        {
+            let t = f64::from(from) - f64::from(field.major.fraction);
+            let mut outlooks = groups.each_ref().map(|group| {
+                let (none, nowhere) = ([0; LANES], [-1e3; LANES]);
+                Outlook::new(group, none, nowhere)
+            });
+            for outlook in &mut outlooks {
+                for k in (0..LANES).filter(|k| k % 7 != 3) {
+                    let metres = metres[(at + number) % 3] + 0.2 * (k % 5) as f64;
+                    let ground = highest_slope(field, ground, outlook.advance[k], from, 8);
+                    outlook.live[k] = u32::MAX;
+                    outlook.horizon[k] = (ground + metres / t) as f32;
+                }
+            }
+            let is_hidden = |outlooks: &[Outlook<Portable>; 2], count: i32, room: f64| {
+                outlooks.iter().all(|outlook| {
+                    (0..LANES).filter(|&k| outlook.live[k] != 0).all(|k| {
+                        let slope = highest_slope(field, ground, outlook.advance[k], from, count);
+                        slope < f64::from(outlook.horizon[k]) + room
+                    })
+                })
+            };
+            hidden += i32::from(is_hidden(&outlooks, 8, 0.0));
+            let copies = outlooks.each_ref().map(|outlook| Outlook { ..*outlook });
+            if let Some(behind) = passed(Portable, field, copies, from, f32::INFINITY) {
+                assert!(
+                    is_hidden(&outlooks, behind - from, 1e-5),
+                    "{from} to {behind}"
+                );
+                lines += behind - from;
+            }
+        }
+    }
+    [hidden, lines]
+}
+
 #[test]
 fn what_is_passed_is_hidden() {
     each_rough_field(|field, ground, _| {
-        let (mut passed_lines, mut hidden_blocks) = (0, 0);
-        for (number, [first, more]) in GROUPS.into_iter().enumerate() {
-            let groups = [0.0, 16.0].map(|k| planes(first + more * k, more));
-            for from in field.major.cells[0]..=field.major.cells[1] + 1 {
-                if !field.major.is_block(from) {
-                    continue;
-                }
-                // By how much ground rises over the horizons, which planes have one by one.
-                let rise =
-                    |k: usize| [-4.0, 1.0, 6.0][(from as usize / 8 + number) % 3] + k as f32 % 5.0;
-                let t = |line: f64| line - f64::from(field.major.fraction);
-                let height = |line: f64, advance: f32| {
-                    ground_height(field, ground, t(line), f64::from(advance) * t(line))
-                };
-                let over = |advance: f32, lines: std::ops::RangeInclusive<i32>| {
-                    let slopes =
-                        lines.flat_map(|line| [0.0, 0.3, 0.6].map(|part| f64::from(line) + part));
-                    let slopes = slopes.filter_map(|line| {
-                        let height = height(line, advance)? - f64::from(field.eye_height);
-                        Some(height / t(line).max(0.1))
-                    });
-                    slopes.fold(f64::MIN, f64::max)
-                };
-                let mut live = [[0_u32; LANES]; 2];
-                let mut horizons = [[0.0; LANES]; 2];
-                for (group, planes) in groups.iter().enumerate() {
-                    for (k, &advance) in planes.advance.iter().enumerate() {
-                        let here = over(advance, from..=from + 12);
-                        horizons[group][k] =
-                            here.max(-1e3) as f32 + rise(k) / t(f64::from(from)) as f32;
-                        live[group][k] = if (k + group) % 7 == 3 { 0 } else { u32::MAX };
-                    }
-                }
-                let outlook =
-                    |group: usize| Outlook::new(&groups[group], live[group], horizons[group]);
-                let limit = f32::INFINITY;
-                let behind = passed(Portable, field, [outlook(0), outlook(1)], from, limit);
-                let is_hidden = |lines: std::ops::RangeInclusive<i32>, room: f64| {
-                    let lanes = (0..2).flat_map(|group| (0..LANES).map(move |k| (group, k)));
-                    lanes
-                        .filter(|&(group, k)| live[group][k] != 0)
-                        .all(|(group, k)| {
-                            let over = over(groups[group].advance[k], lines.clone());
-                            over < f64::from(horizons[group][k]) + room
-                        })
-                };
-                if let Some(behind) = behind {
-                    assert!(is_hidden(from..=behind - 1, 1e-5), "{from} to {behind}");
-                    passed_lines += behind - from;
-                }
-                hidden_blocks += i32::from(is_hidden(from..=from + 7, 0.0));
-            }
-        }
+        let [hidden, lines] = pass_blocks(field, ground, [-4.0, 1.0, 6.0]);
         assert!(
-            passed_lines > 4 * hidden_blocks,
-            "{passed_lines}, {hidden_blocks}"
+            hidden > 50 && lines > 3 * hidden,
+            "{lines} lines, {hidden} blocks"
         );
-        assert!(hidden_blocks > 50, "{hidden_blocks}");
     });
+    // The roofs of whole blocks lie on this ground.
+    let folded = |col: u32, row: u32| {
+        let fold = |post: u32| (post % 64).abs_diff(32) as f32;
+        30.0 + 0.8 * fold(col) + 0.7 * fold(row)
+    };
+    each_field(
+        [600, 540],
+        folded,
+        |_, _| [0; 4],
+        |field, ground, _| {
+            let [hidden, lines] = pass_blocks(field, ground, [-0.3, 0.05, 3.0]);
+            assert!(
+                hidden > 50 && lines > 2 * hidden,
+                "{lines} lines, {hidden} blocks"
+            );
+        },
+    );
 }
