@@ -69,7 +69,7 @@ impl Resolution {
 /// How far planes have been led.
 struct Way {
     at: Resolution,
-    /// As [`Sight::finish`] has it.
+    /// As [`Sight::look`] has it.
     same: f32,
     /// The plane in their midst: its lane, and whether that is one of the first sixteen.
     lane: usize,
@@ -78,7 +78,7 @@ struct Way {
     line: i32,
     t: f32,
     /// Whether what lies before this line has not been looked at, so that its heights are not known;
-    /// and how many lines ago something was seen.
+    /// and for how many lines nothing has been seen.
     has_skipped: bool,
     idle: u32,
 }
