@@ -56,9 +56,9 @@ impl<L: Lanes> Outlook<L> {
         }
     }
 
-    /// Whether from no plane any ground is seen from the mirrored line `line` to the one that lies
-    /// 2 ^ `level` cells further, which are on the ground, and between which blocks lie. A plane's ground
-    /// is hidden where the roofs of the blocks that it runs through are, at both lines.
+    /// Whether all planes' ground is hidden between the mirrored line `line` and the one 2 ^ `level` cells
+    /// further: both are on the ground, and blocks lie between them. A plane's ground is hidden where the
+    /// roofs of the blocks that it runs through lie below its horizon at both lines.
     #[inline(always)]
     fn is_hidden(&self, l: L, field: &Field<'_>, line: i32, level: usize) -> bool {
         let (major, minor) = (&field.major, &field.minor);
