@@ -97,16 +97,16 @@ pub(super) struct Sight<L: Lanes> {
     near: L::F,
     far: L::F,
     horizon: L::F,
-    /// The last line's heights, slopes and colours.
+    /// The last line's heights, slopes and colours, and whether these have been read.
     height: L::F,
     slope: L::F,
     colours: [L::I; 2],
+    has_colours: bool,
     /// Where profiles are bent between lines: how planes cross the last one, the posts around them, and
-    /// these posts' colours, if they have been read.
+    /// these posts' colours, if those have been read.
     crossing: Crossing<L>,
     posts: [L::F; 2],
     texels: Texels<L>,
-    has_texels: bool,
 }
 
 impl<L: Lanes> Sight<L> {
@@ -125,7 +125,6 @@ impl<L: Lanes> Sight<L> {
             crossing: Crossing::new(l, field, &planes, field.major.cells[0], 0),
             posts: [zero; 2],
             texels: [[none; 2]; 4],
-            has_texels: false,
             planes,
             up,
             major,
@@ -152,6 +151,7 @@ impl<L: Lanes> Sight<L> {
             height: zero,
             slope: zero,
             colours: [none; 2],
+            has_colours: false,
         }
     }
 
@@ -351,10 +351,11 @@ impl<L: Lanes> Sight<L> {
         };
         // Where the line before was not seen, all that is seen lies close to this one.
         let slope = piece.slopes[0];
-        let unseen = l.or(l.lt(slope, self.horizon), l.lt(self.horizon, slope));
+        let seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
+        let seen = l.and(seen, l.mask(if self.has_colours { u16::MAX } else { 0 }));
         let begin = [
-            l.select_i(unseen, end[0], self.colours[0]),
-            l.select_i(unseen, end[1], self.colours[1]),
+            l.select_i(seen, self.colours[0], end[0]),
+            l.select_i(seen, self.colours[1], end[1]),
         ];
         self.colours = end;
         Paint {
@@ -381,7 +382,7 @@ impl<L: Lanes> Sight<L> {
                 controls: [none; 2],
             };
         };
-        if !self.has_texels {
+        if !self.has_colours {
             self.texels = self.crossing.texels(l, field, &self.planes, colours);
         }
         let texels = line.crossing.texels(l, field, &self.planes, colours);
@@ -510,13 +511,13 @@ impl<L: Lanes> Sight<L> {
 
     /// Goes on from a line, of which the colours have been read or not.
     #[inline(always)]
-    fn leave_behind<const BENT: bool>(&mut self, line: Line<L>, has_texels: bool) {
+    fn leave_behind<const BENT: bool>(&mut self, line: Line<L>, has_colours: bool) {
         self.height = line.height;
         self.slope = line.slope;
+        self.has_colours = has_colours;
         if BENT {
             self.crossing = line.crossing;
             self.posts = line.posts;
-            self.has_texels = has_texels;
         }
     }
 
