@@ -506,3 +506,53 @@ fn a_flight_is_as_calm_as_the_truth() {
     assert!((0.7..1.1).contains(&(detail[0] / truth_change)));
     assert!(detail[1] < 0.4 * points[1]);
 }
+
+/// Rays that meet flat ground right at lines of posts: its slope is that of the horizon there, to the last
+/// bit, so that nothing tells by itself whether a line has been seen.
+#[test]
+fn white_ground_has_no_specks() {
+    let ground = Ground::from_fn(301, 301, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let white = Photo {
+        pixels: TiledRaster::from_fn(301, 301, |_, _| [255; 4]),
+        origin: DVec2::ZERO,
+        spacing: DVec2::ONE,
+    };
+    let scene = Scene::new(ground.with_photo(white));
+    let views: Vec<_> = [16.0, 32.0, 64.0, 128.0]
+        .into_iter()
+        .flat_map(|height| [32.0, 64.0, 128.0].map(|steps| [height, steps]))
+        .map(|[height, steps]| {
+            // A pixel's ray goes down by so many of `steps` for each metre northwards.
+            let eye = DVec3::new(150.0, 4.0, height);
+            let corner = |x: f64, z: f64| eye + DVec3::new(x / steps, 1.0, z / steps);
+            View {
+                eye,
+                window: Screen {
+                    lower_left: corner(-48.0, -128.5),
+                    lower_right: corner(48.0, -128.5),
+                    upper_left: corner(-48.0, -0.5),
+                },
+                size: [96, 128],
+            }
+        })
+        .collect();
+    let exact = cast("planes", &scene, &views);
+    let detailed = cast("planes?lod=on", &scene, &views);
+    for (number, (exact, image)) in exact.iter().zip(&detailed).enumerate() {
+        let is_ground = |at: usize| exact.depth[at].is_finite();
+        let mut inside = 0;
+        for at in 97..96 * 127 - 1 {
+            let around = [at - 97, at - 95, at + 95, at + 97];
+            if (1..95).contains(&(at % 96)) && around.into_iter().all(is_ground) {
+                let seen = image.colour()[at];
+                let [column, row] = [at % 96, at / 96];
+                assert!(
+                    seen[0] >= 254,
+                    "{seen:?} at {column}, {row} of view {number}"
+                );
+                inside += 1;
+            }
+        }
+        assert!(inside > 500, "{inside} pixels of view {number}");
+    }
+}
