@@ -38,11 +38,11 @@ impl Axis {
 /// What sixteen planes may still see.
 pub(in crate::planes) struct Outlook<L: Lanes> {
     /// Cells along the minor axis for each one along the major axis; of the first and the last plane.
-    pub(in crate::planes) advance: L::F,
-    pub(in crate::planes) outer: [f32; 2],
+    pub(super) advance: L::F,
+    pub(super) outer: [f32; 2],
     /// Which planes go on, and the slope from the eye up to which ground is hidden from them.
-    pub(in crate::planes) live: L::M,
-    pub(in crate::planes) horizon: L::F,
+    pub(super) live: L::M,
+    pub(super) horizon: L::F,
 }
 
 impl<L: Lanes> Outlook<L> {
