@@ -24,6 +24,8 @@ pub(super) struct Level<'a> {
     pub(super) cells: [i32; 2],
     /// How steep it is at most along x and y: metres for each of its cells.
     pub(super) steepest: [f32; 2],
+    /// How much more one side of a cell rises than the other, at most: metres.
+    pub(super) twist: f32,
 }
 
 impl<'a> Level<'a> {
@@ -34,6 +36,7 @@ impl<'a> Level<'a> {
     ) -> Self {
         Self {
             steepest: steepness.steepest(),
+            twist: steepness.twist(),
             heights: Tiles::new(
                 heights.view(),
                 heights.tiles_across(),

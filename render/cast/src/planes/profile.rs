@@ -6,19 +6,22 @@ mod bend;
 mod crossing;
 mod halves;
 mod outlook;
+mod station;
 #[cfg(test)]
 mod tests;
 mod window;
 
 pub(super) use bend::{Bend, BentColours};
-pub(super) use crossing::{Crossing, Texels};
+pub(super) use crossing::Texels;
 pub(super) use halves::{FINE, between, coarse_halves, halves, parts, twice, upper_bytes};
 pub(super) use outlook::{Outlook, passed};
+pub(super) use station::{Mark, Station, Stretch, parts as parts_between};
 
 use self::window::ROWS_AHEAD;
 use crate::lanes::{LANES, Lanes};
 
 /// Sixteen neighbouring vertical planes through the eye.
+#[derive(Clone, Copy)]
 pub(super) struct PlaneGroup<L: Lanes> {
     /// Cells along the minor axis for each one along the major axis.
     pub(super) advance: L::F,

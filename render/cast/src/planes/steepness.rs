@@ -1,4 +1,4 @@
-//! How steep the ground is, block by block.
+//! How steep the ground is, block by block, and how twisted.
 
 mod seen;
 
@@ -23,6 +23,8 @@ struct Block {
     steepest: [f32; 2],
     /// Its lowest and its highest post.
     heights: [f32; 2],
+    /// How much more, at most, one side of a cell rises than the other: metres.
+    twist: f32,
 }
 
 impl Block {
@@ -30,6 +32,7 @@ impl Block {
     const EMPTY: Self = Self {
         steepest: [0.0; 2],
         heights: [f32::INFINITY, f32::NEG_INFINITY],
+        twist: 0.0,
     };
 }
 
@@ -44,6 +47,7 @@ pub(super) struct Steepness {
     blocks: Vec<Block>,
     /// Anywhere, along x and along y.
     steepest: [f32; 2],
+    twist: f32,
 }
 
 impl Steepness {
@@ -58,6 +62,7 @@ impl Steepness {
             across,
             blocks: vec![Block::EMPTY; across * along],
             steepest: [0.0; 2],
+            twist: 0.0,
         };
         let indices: Vec<_> = heights.tile_indices().collect();
         steepness.look_at(heights, &indices);
@@ -81,6 +86,11 @@ impl Steepness {
         self.steepest
     }
 
+    /// How much more one side of a cell rises than the other, anywhere: metres.
+    pub(super) fn twist(&self) -> f32 {
+        self.twist
+    }
+
     fn look_at(&mut self, heights: &TiledRaster<f32>, tiles: &[TileIndex]) {
         let side = self.side as usize;
         let in_tile = (TILE_CELLS / self.side) as usize;
@@ -97,6 +107,8 @@ impl Steepness {
         }
         let steepest = self.blocks.iter().map(|block| block.steepest);
         self.steepest = steepest.fold([0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let twists = self.blocks.iter().map(|block| block.twist);
+        self.twist = twists.fold(0.0, f32::max);
     }
 }
 
@@ -129,6 +141,7 @@ impl Block {
     fn add(&mut self, row: &[f32], north: &[f32]) {
         let [mut east, mut up] = self.steepest;
         let [mut low, mut high] = self.heights;
+        let mut twist = self.twist;
         for (&post, &next) in row.iter().zip(&row[1..]) {
             east = east.max((next - post).abs());
         }
@@ -136,9 +149,13 @@ impl Block {
             up = up.max((north - post).abs());
             (low, high) = (low.min(post), high.max(post));
         }
+        for (south, north) in row.windows(2).zip(north.windows(2)) {
+            twist = twist.max(((north[1] - north[0]) - (south[1] - south[0])).abs());
+        }
         *self = Self {
             steepest: [east, up],
             heights: [low, high],
+            twist,
         };
     }
 }
@@ -158,5 +175,6 @@ mod tests {
         let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
         assert_eq!(steepness.blocks, Steepness::new(after.heights()).blocks);
         assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
+        assert!(steepness.twist() > Steepness::new(before.heights()).twist());
     }
 }

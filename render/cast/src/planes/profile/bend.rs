@@ -27,17 +27,18 @@ pub(in crate::planes) struct BentColours<L: Lanes> {
 }
 
 impl<L: Lanes> Bend<L> {
-    /// Between a line and the next one.
+    /// Between a line and the next one, or two of as many places in between as there are `to_a_cell`.
     #[inline(always)]
     pub(in crate::planes) fn new(
         l: L,
         planes: &PlaneGroup<L>,
-        before: &Crossing<L>,
-        behind: &Crossing<L>,
+        [before, behind]: [&Crossing<L>; 2],
+        to_a_cell: f32,
     ) -> Self {
         let (zero, half, one) = (l.splat(0.0), l.splat(0.5), l.splat(1.0));
         let crosses = l.gt_i(behind.cell, before.cell);
         let there = l.mul(l.sub(one, before.share), planes.per_advance);
+        let there = l.mul(there, l.splat(to_a_cell));
         let there = l.max(l.min(there, one), zero);
         let middle = l.mul(l.add(before.share, behind.share), half);
         Self {

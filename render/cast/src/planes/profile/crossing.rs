@@ -8,6 +8,7 @@ use crate::planes::field::{Field, Tiles};
 use crate::planes::walk::corners;
 
 /// A mirrored line of posts, and where planes cross it.
+#[derive(Clone, Copy)]
 pub(in crate::planes) struct Crossing<L: Lanes> {
     line: i32,
     /// The mirrored cells of the minor axis in which planes cross it, and how far into them.
@@ -34,7 +35,27 @@ impl<L: Lanes> Crossing<L> {
         line: i32,
         beside: i32,
     ) -> Self {
-        let t = line as f32 - field.major.fraction;
+        Self::at(
+            l,
+            field,
+            planes,
+            line,
+            line as f32 - field.major.fraction,
+            beside,
+        )
+    }
+
+    /// The posts of the mirrored line `line` around planes that are at t, in cells: as if they crossed the
+    /// line there.
+    #[inline(always)]
+    pub(super) fn at(
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+        line: i32,
+        t: f32,
+        beside: i32,
+    ) -> Self {
         let line = line.max(field.major.cells[0]).min(field.major.cells[1] + 1);
         let along = l.mul(planes.advance, l.splat(t));
         let cell = field.minor.cell(l, along);
@@ -81,6 +102,23 @@ impl<L: Lanes> Crossing<L> {
             }
             None => self.heights_apart(l, field),
         }
+    }
+
+    /// The heights of the posts before and behind those around planes; at the ground's border, of any posts.
+    #[inline(always)]
+    pub(super) fn outer_posts(
+        &self,
+        l: L,
+        field: &Field<'_>,
+        planes: &PlaneGroup<L>,
+    ) -> Option<[L::F; 2]> {
+        let window = self.window.as_ref()?;
+        let posts = window.read(l, field, planes, field.heights)?;
+        let [before, behind] = self.outer(l, field, window);
+        Some([
+            l.float_of_bits(l.among(posts, before)),
+            l.float_of_bits(l.among(posts, behind)),
+        ])
     }
 
     /// The ground's heights over the eye, in metres, between posts. Beside the ground its outermost
@@ -138,11 +176,7 @@ impl<L: Lanes> Crossing<L> {
         let [before, near, far, behind] = match (&self.window, posts) {
             (Some(window), Some(posts)) => {
                 let (at, next) = self.place(l, field);
-                let ends = [l.splat_i(0), l.splat_i(window.count - 1)];
-                let before = l.sub_i(at, l.splat_i(next));
-                let before = l.max_i(l.min_i(before, ends[1]), ends[0]);
-                let behind = l.add_i(at, l.splat_i(2 * next));
-                let behind = l.max_i(l.min_i(behind, ends[1]), ends[0]);
+                let [before, behind] = self.outer(l, field, window);
                 [
                     l.among(posts, before),
                     l.among(posts, at),
@@ -190,6 +224,19 @@ impl<L: Lanes> Crossing<L> {
         } else {
             (l.sub_i(from, self.cell), -1)
         }
+    }
+
+    /// Where those are that come before and behind the posts around planes, as far as there are such.
+    #[inline(always)]
+    fn outer(&self, l: L, field: &Field<'_>, window: &Window) -> [L::I; 2] {
+        let (at, next) = self.place(l, field);
+        let ends = [l.splat_i(0), l.splat_i(window.count - 1)];
+        let before = l.sub_i(at, l.splat_i(next));
+        let behind = l.add_i(at, l.splat_i(2 * next));
+        [
+            l.max_i(l.min_i(before, ends[1]), ends[0]),
+            l.max_i(l.min_i(behind, ends[1]), ends[0]),
+        ]
     }
 
     /// The near and the far posts around planes, wherever they lie.

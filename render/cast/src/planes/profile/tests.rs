@@ -1,5 +1,6 @@
 //! Profiles against the ground.
 
+use super::crossing::Crossing;
 use super::*;
 use crate::lanes::Portable;
 use crate::planes::field::Axis;
@@ -146,7 +147,7 @@ fn bent_colours_are_the_grounds() {
             for number in (field.major.cells[0]..=field.major.cells[1]).step_by(3) {
                 let [before, behind] = [line(number), line(number + 1)];
                 let lines = [&before.0, &behind.0];
-                let bend = Bend::new(Portable, &planes, lines[0], lines[1]);
+                let bend = Bend::new(Portable, &planes, lines, 1.0);
                 let bent = bend.colours(Portable, lines, [&before.1, &behind.1]);
                 let t = number as f32 - field.major.fraction;
                 for (k, &advance) in planes.advance.iter().enumerate() {
@@ -207,7 +208,7 @@ fn bends_are_the_grounds() {
                 };
                 for number in field.major.cells[0]..=field.major.cells[1] {
                     let [before, behind] = [line(number), line(number + 1)];
-                    let bend = Bend::new(Portable, &planes, &before.0, &behind.0);
+                    let bend = Bend::new(Portable, &planes, [&before.0, &behind.0], 1.0);
                     let heights = bend.heights(Portable, field, before.1, behind.1);
                     let t = number as f32 - field.major.fraction;
                     for (k, &advance) in planes.advance.iter().enumerate() {

@@ -6,7 +6,8 @@ use super::fan::Fan;
 use super::rays::Rays;
 use super::sight::{SAME, Sight};
 use crate::lanes::{LANES, Lanes};
-use crate::planes::profile::passed;
+use crate::planes::field::Field;
+use crate::planes::profile::{Mark, parts_between, passed};
 
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
 pub(super) const PLANES: usize = 2 * LANES;
@@ -19,6 +20,12 @@ const FINEST: f32 = 2.6;
 /// How many cells of the finest level a pixel may cover, in the same way, up to which profiles are bent
 /// between lines of posts; of wider pixels straight ones are as near to the truth as pixels are.
 const BENT: f32 = 1.3;
+
+/// By how much of a pixel the ground may lie beside a bent profile, which is straight where a twisted cell is a
+/// parabola: where it lies farther, profiles are looked at between lines, too, in up to 2 ^ [`MOST_PARTS`] parts
+/// of a cell.
+const ASIDE: f32 = 0.75;
+const MOST_PARTS: u32 = 6;
 
 /// For how many lines nothing has been seen before it is asked whether blocks may be passed.
 const IDLE: u32 = 4;
@@ -35,6 +42,8 @@ struct Resolution {
     is_bent: bool,
     /// The t up to which it suits.
     limit: f32,
+    /// How twisted cells of the finest level may be, for each 1 of t, that profiles are not looked at in: metres.
+    twist: f32,
 }
 
 impl Resolution {
@@ -142,14 +151,19 @@ impl<L: Lanes> March<'_, L> {
         let plane = first + lane + if is_left { 0 } else { LANES };
         let cell = f64::from(self.frame.detail.as_ref().map_or(1.0, |detail| detail.cell));
         let start = rays[0].start.min(rays[1].start);
+        let width = self.width_at(fan, plane, cell, 0.0);
+        let outer = [rays[0].advance[0], rays[1].advance[LANES - 1]];
+        let metres = width / cell as f32 * self.frame.ground.grid().cell_length() as f32;
         let mut at = Resolution {
             plane,
             cell,
-            width: self.width_at(fan, plane, cell, 0.0),
+            width,
             coarsest: self.fields.len() - 1,
             level: 0,
             is_bent: true,
             limit: 0.0,
+            // A parabola lies as far beside its chord as a quarter of what the twist makes of its extent.
+            twist: 4.0 * ASIDE * metres / outer[0].max(outer[1]).max(f32::MIN_POSITIVE),
         };
         at.suit(start);
         let field = &self.fields[at.level];
@@ -241,10 +255,31 @@ impl<L: Lanes> March<'_, L> {
             // Both are read before either is looked at.
             let here = left.line::<BENT>(l, field, line, end);
             let other_here = right.line::<BENT>(l, field, line, end);
+            let (mut some_is_seen, mut to_a_cell) = (false, 1.0);
+            if BENT && at.twist * t < self.frame.levels[0].twist {
+                // Apart as above.
+                let stretches = [left.stretch(&here), right.stretch(&other_here)];
+                let allowed = at.twist * t;
+                let parts = l.vectorize(
+                    #[inline(always)]
+                    move || parts_between(l, field, stretches, allowed, MOST_PARTS),
+                );
+                if parts > 1 {
+                    let sights = [*left, *right];
+                    let (seen, line) = (&mut *seen, line - 1);
+                    let sights = l.vectorize(
+                        #[inline(always)]
+                        move || look_between(l, field, sights, [line, parts], t, same, seen),
+                    );
+                    ([*left, *right], t, some_is_seen) = sights;
+                    to_a_cell = parts as f32;
+                }
+            }
             let between = [t, end];
-            let is_seen = left.look::<BENT>(l, field, here, between, same, seen);
-            let other_is_seen = right.look::<BENT>(l, field, other_here, between, same, seen);
-            idle = if is_seen || other_is_seen {
+            let is_seen = left.look::<BENT>(l, field, here, between, to_a_cell, same, seen);
+            let other_is_seen =
+                right.look::<BENT>(l, field, other_here, between, to_a_cell, same, seen);
+            idle = if some_is_seen || is_seen || other_is_seen {
                 0
             } else {
                 idle + 1
@@ -253,4 +288,33 @@ impl<L: Lanes> March<'_, L> {
         }
         None
     }
+}
+
+/// Leads planes that are on `line`, at t, on towards the next line, to the last of the places in between that cut
+/// the cell into so many parts. Gives them, that place's t, and whether they have seen some of the ground.
+#[inline(always)]
+fn look_between<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    [mut left, mut right]: [Sight<L>; 2],
+    [line, parts]: [i32; 2],
+    mut t: f32,
+    same: f32,
+    seen: &mut [[i32; 2]],
+) -> ([Sight<L>; 2], f32, bool) {
+    let to_a_cell = parts as f32;
+    let mut is_seen = false;
+    for k in 1..parts {
+        let mark = Mark {
+            line,
+            part: k as f32 / to_a_cell,
+        };
+        let between = [t, line as f32 - field.major.fraction + mark.part];
+        for sight in [&mut left, &mut right] {
+            let there = sight.place(l, field, mark, between[1]);
+            is_seen |= sight.look::<true>(l, field, there, between, to_a_cell, same, seen);
+        }
+        t = between[1];
+    }
+    ([left, right], t, is_seen)
 }

@@ -114,6 +114,7 @@ impl<L: Lanes> March<'_, L> {
                     None => {}
                 }
             }
+            rays.enter[k] = start;
             if start < leave {
                 rays.live |= 1 << k;
                 rays.start = rays.start.min(start);

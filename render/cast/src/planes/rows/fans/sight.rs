@@ -5,7 +5,7 @@ use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
 use crate::planes::profile::{
-    Bend, BentColours, Crossing, Outlook, PlaneGroup, Texels, coarse_halves,
+    Bend, BentColours, Mark, Outlook, PlaneGroup, Station, Stretch, Texels, coarse_halves,
 };
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
@@ -19,9 +19,9 @@ const AHEAD: i32 = 4;
 /// cells below it.
 const NEAREST: f32 = 0.03125;
 
-/// Where sixteen planes cross a line of posts.
+/// Where sixteen planes cross a line of posts, or are between two.
 pub(super) struct Line<L: Lanes> {
-    crossing: Crossing<L>,
+    station: Station<L>,
     /// The heights of the posts around planes, and of the ground between them over the eye.
     posts: [L::F; 2],
     height: L::F,
@@ -65,6 +65,7 @@ impl<L: Lanes> Piece<L> {
 }
 
 /// What sixteen planes have seen so far.
+#[derive(Clone, Copy)]
 pub(super) struct Sight<L: Lanes> {
     pub(super) planes: PlaneGroup<L>,
     /// Directions of pixels' borders, as [`Rays`] has them.
@@ -104,7 +105,7 @@ pub(super) struct Sight<L: Lanes> {
     has_colours: bool,
     /// Where profiles are bent between lines: how planes cross the last one, the posts around them, and
     /// these posts' colours, if those have been read.
-    crossing: Crossing<L>,
+    station: Station<L>,
     posts: [L::F; 2],
     texels: Texels<L>,
 }
@@ -122,7 +123,7 @@ impl<L: Lanes> Sight<L> {
         let run = l.max(major[0], steep);
         let planes = PlaneGroup::new(l, &rays.advance);
         Self {
-            crossing: Crossing::new(l, field, &planes, field.major.cells[0], 0),
+            station: Station::on_line(l, field, &planes, field.major.cells[0], 0),
             posts: [zero; 2],
             texels: [[none; 2]; 4],
             planes,
@@ -184,16 +185,40 @@ impl<L: Lanes> Sight<L> {
         line: i32,
         t: f32,
     ) -> Line<L> {
-        let crossing = Crossing::new(l, field, &self.planes, line, i32::from(BENT));
-        let posts = crossing.posts(l, field, &self.planes);
-        let height = crossing.heights(l, field, posts);
+        let station = Station::on_line(l, field, &self.planes, line, i32::from(BENT));
+        self.at(l, field, station, t)
+    }
+
+    /// A place between two lines, at t.
+    #[inline(always)]
+    pub(super) fn place(&self, l: L, field: &Field<'_>, mark: Mark, t: f32) -> Line<L> {
+        let station = Station::between(l, field, &self.planes, mark, 1);
+        self.at(l, field, station, t)
+    }
+
+    #[inline(always)]
+    fn at(&self, l: L, field: &Field<'_>, station: Station<L>, t: f32) -> Line<L> {
+        let planes = &self.planes;
+        let posts = station.posts(l, field, planes);
+        let height = station.crossing.heights(l, field, posts);
         let inverse = 1.0 / t.max(NEAREST);
         Line {
-            crossing,
+            station,
             posts,
             height,
             slope: l.mul(height, l.splat(inverse)),
             inverse,
+        }
+    }
+
+    /// The way from the last line to the next one.
+    #[inline(always)]
+    pub(super) fn stretch(&self, line: &Line<L>) -> Stretch<L> {
+        Stretch {
+            planes: self.planes,
+            stations: [self.station, line.station],
+            posts: [self.posts, line.posts],
+            live: self.live,
         }
     }
 
@@ -218,20 +243,22 @@ impl<L: Lanes> Sight<L> {
 
     /// Looks at what lies between the last line, at the first t, and the next one, at the second, and goes
     /// on from there. Hits that are `same` times as far as others are taken for the same piece of ground.
-    /// Gives whether planes see some of it.
+    /// Gives whether planes see some of it. There are `to_a_cell` places between two lines.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "what lies between two places")]
     pub(super) fn look<const BENT: bool>(
         &mut self,
         l: L,
         field: &Field<'_>,
         line: Line<L>,
         between: [f32; 2],
+        to_a_cell: f32,
         same: f32,
         seen: &mut [[i32; 2]],
     ) -> bool {
         let is_seen;
         if BENT {
-            let ([first, mut second], bend) = self.bent(l, field, &line, between);
+            let ([first, mut second], bend) = self.bent(l, field, &line, between, to_a_cell);
             is_seen = l.bits(l.or(first.visible, second.visible)) != 0;
             if is_seen {
                 let colours = self.bent_colours(l, field, &line, &bend);
@@ -276,8 +303,10 @@ impl<L: Lanes> Sight<L> {
         field: &Field<'_>,
         line: &Line<L>,
         between: [f32; 2],
+        to_a_cell: f32,
     ) -> ([Piece<L>; 2], Bend<L>) {
-        let bend = Bend::new(l, &self.planes, &self.crossing, &line.crossing);
+        let crossings = [&self.station.crossing, &line.station.crossing];
+        let bend = Bend::new(l, &self.planes, crossings, to_a_cell);
         let [from, to] = self.ends(l, line, between);
         let t = l.add(from.t, l.mul(bend.share, l.sub(to.t, from.t)));
         let height = bend.heights(l, field, self.posts, line.posts);
@@ -346,7 +375,10 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     fn paint(&mut self, l: L, field: &Field<'_>, line: &Line<L>, piece: &Piece<L>) -> Paint<L> {
         let end = match field.colours {
-            Some(colours) => line.crossing.colours(l, field, &self.planes, colours),
+            Some(colours) => line
+                .station
+                .crossing
+                .colours(l, field, &self.planes, colours),
             None => [l.splat_i(0); 2],
         };
         // Where the line before was not seen, all that is seen lies close to this one.
@@ -383,10 +415,10 @@ impl<L: Lanes> Sight<L> {
             };
         };
         if !self.has_colours {
-            self.texels = self.crossing.texels(l, field, &self.planes, colours);
+            self.texels = self.station.texels(l, field, &self.planes, colours);
         }
-        let texels = line.crossing.texels(l, field, &self.planes, colours);
-        let lines = [&self.crossing, &line.crossing];
+        let texels = line.station.texels(l, field, &self.planes, colours);
+        let lines = [&self.station.crossing, &line.station.crossing];
         let bent = bend.colours(l, lines, [&self.texels, &texels]);
         self.texels = texels;
         self.colours = bent.ends[2];
@@ -516,7 +548,7 @@ impl<L: Lanes> Sight<L> {
         self.slope = line.slope;
         self.has_colours = has_colours;
         if BENT {
-            self.crossing = line.crossing;
+            self.station = line.station;
             self.posts = line.posts;
         }
     }
