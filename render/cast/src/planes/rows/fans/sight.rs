@@ -160,7 +160,8 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     pub(super) fn skip_to<const BENT: bool>(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
         let there = self.line::<BENT>(l, field, line, t);
-        self.leave_behind::<BENT>(there, false);
+        let has_colours = self.look_at_begin::<BENT>(l, field, &there, t);
+        self.leave_behind::<BENT>(there, has_colours);
         self.stay_over_ground(l, t);
     }
 
@@ -272,12 +273,36 @@ impl<L: Lanes> Sight<L> {
             let piece = self.piece(l, &line, between);
             is_seen = l.bits(piece.visible) != 0;
             if is_seen {
-                let paint = self.paint(l, field, &line, &piece);
+                let paint = self.paint(l, field, &line, &piece, between[0]);
                 self.add::<false>(l, piece, paint, same, seen);
             }
         }
-        self.leave_behind::<BENT>(line, is_seen);
+        let has_colours = is_seen || self.look_at_begin::<BENT>(l, field, &line, between[1]);
+        self.leave_behind::<BENT>(line, has_colours);
         is_seen
+    }
+
+    /// Reads the colours of a line, at t, behind which some planes come over the ground: the ground's side has
+    /// them. Gives whether it has.
+    #[inline(always)]
+    fn look_at_begin<const BENT: bool>(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: &Line<L>,
+        t: f32,
+    ) -> bool {
+        // Bent profiles read both ends of what they see.
+        if BENT || self.over_ground[0] < t {
+            return false;
+        }
+        if let Some(colours) = field.colours {
+            self.colours = line
+                .station
+                .crossing
+                .colours(l, field, &self.planes, colours);
+        }
+        true
     }
 
     /// Whether the ground begins or ends between two t.
@@ -371,9 +396,16 @@ impl<L: Lanes> Sight<L> {
         piece.visible = l.and(here, l.lt(self.horizon, piece.top));
     }
 
-    /// The colours of a piece that ends at a line.
+    /// The colours of a piece from the last line, at t, to the next one.
     #[inline(always)]
-    fn paint(&mut self, l: L, field: &Field<'_>, line: &Line<L>, piece: &Piece<L>) -> Paint<L> {
+    fn paint(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: &Line<L>,
+        piece: &Piece<L>,
+        t: f32,
+    ) -> Paint<L> {
         let end = match field.colours {
             Some(colours) => line
                 .station
@@ -381,9 +413,11 @@ impl<L: Lanes> Sight<L> {
                 .colours(l, field, &self.planes, colours),
             None => [l.splat_i(0); 2],
         };
-        // Where the line before was not seen, all that is seen lies close to this one.
+        // Where the line before was not seen, all that is seen lies close to this one; but where the ground begins
+        // behind that.
         let slope = piece.slopes[0];
         let seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
+        let seen = l.or(seen, l.le(l.splat(t), self.enter));
         let seen = l.and(seen, l.mask(if self.has_colours { u16::MAX } else { 0 }));
         let begin = [
             l.select_i(seen, self.colours[0], end[0]),
