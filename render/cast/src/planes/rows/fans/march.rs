@@ -4,7 +4,7 @@ use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
 use super::rays::Rays;
-use super::sight::{SAME, Sight};
+use super::sight::{SAME, Sight, Start};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::field::Field;
 use crate::planes::profile::{Mark, parts_between, passed};
@@ -118,10 +118,14 @@ impl<L: Lanes> March<'_, L> {
             self.plane_rays(fan, first, scratch),
             self.plane_rays(fan, first + LANES, scratch),
         ];
-        let steep = self.steep() as f32;
+        let start = Start {
+            steep: self.steep() as f32,
+            nearest: self.nearest_place(),
+            period: fan.room(),
+        };
         let field = &self.fields[0];
-        let mut left = Sight::new(l, field, &rays[0], steep, fan.room());
-        let mut right = Sight::new(l, field, &rays[1], steep, fan.room());
+        let mut left = Sight::new(l, field, &rays[0], &start);
+        let mut right = Sight::new(l, field, &rays[1], &start);
         if rays[0].live != 0 || rays[1].live != 0 {
             let sights = [&mut left, &mut right];
             let way = self.way(fan, first, &rays);
@@ -141,6 +145,18 @@ impl<L: Lanes> March<'_, L> {
         l.store_i(left.end(l, seen), &mut skies[0]);
         l.store_i(right.end(l, seen), &mut skies[1]);
         fan.clear_skies(first, &skies, seen)
+    }
+
+    /// The t as [`Start`] has it: the ten-thousandth part of the way down to the ground, as slopes of ground that
+    /// planes come over there are ten thousand then, at most; but no more than a small part of a cell.
+    fn nearest_place(&self) -> f32 {
+        const MOST: f64 = 0.03125;
+        let eye = self.frame.view.eye;
+        let ground = self.frame.ground;
+        let nearest = ground.height_at(eye.x, eye.y).map_or(MOST, |height| {
+            1e-4 * (eye.z - height) / ground.grid().cell_length()
+        });
+        nearest.clamp(1e-6, MOST) as f32
     }
 
     /// Where planes begin, of which the first is plane `first`, and some may meet ground.

@@ -14,10 +14,16 @@ pub(super) const SAME: f32 = 5.0;
 /// How many pixels ahead of the next one the memory of a plane's pixels is asked for.
 const AHEAD: i32 = 4;
 
-/// Closer lines than this t are taken to lie there: their slopes have no end, and in what lies
-/// between them and the next line digits would be lost. Far ground under the eye lies hundreds of
-/// cells below it.
-const NEAREST: f32 = 0.03125;
+/// What all planes of a fan begin with.
+pub(super) struct Start {
+    /// As much of the major axis as directions have at least.
+    pub(super) steep: f32,
+    /// Places at a smaller t are taken to lie there: their slopes have no end, and in what lies between them and
+    /// the next place digits would be lost.
+    pub(super) nearest: f32,
+    /// How far behind a pixel's number among what is seen that of the next one in its plane lies.
+    pub(super) period: usize,
+}
 
 /// Where sixteen planes cross a line of posts, or are between two.
 pub(super) struct Line<L: Lanes> {
@@ -72,6 +78,8 @@ pub(super) struct Sight<L: Lanes> {
     up: [L::F; 2],
     major: [L::F; 2],
     steep: L::F,
+    /// As [`Start`] has it.
+    nearest: f32,
     all_parts: L::F,
     steps: L::F,
     enter: L::F,
@@ -111,13 +119,12 @@ pub(super) struct Sight<L: Lanes> {
 }
 
 impl<L: Lanes> Sight<L> {
-    /// Of planes that have seen nothing yet, in whose fan a pixel's number lies `period` behind that
-    /// of the one below it.
+    /// Of planes that have seen nothing yet.
     #[inline(always)]
-    pub(super) fn new(l: L, field: &Field<'_>, rays: &Rays, steep: f32, period: usize) -> Self {
+    pub(super) fn new(l: L, field: &Field<'_>, rays: &Rays, start: &Start) -> Self {
         let load = |numbers: &Each| l.load(numbers);
         let (zero, none) = (l.splat(0.0), l.splat_i(0));
-        let steep = l.splat(steep);
+        let steep = l.splat(start.steep);
         let up = [load(&rays.up[0]), load(&rays.up[1])];
         let major = [load(&rays.major[0]), load(&rays.major[1])];
         let run = l.max(major[0], steep);
@@ -130,6 +137,7 @@ impl<L: Lanes> Sight<L> {
             up,
             major,
             steep,
+            nearest: start.nearest,
             all_parts: load(&rays.parts),
             steps: load(&rays.steps),
             enter: load(&rays.enter),
@@ -138,7 +146,7 @@ impl<L: Lanes> Sight<L> {
             live: l.mask(rays.live),
             border: zero,
             place: l.load_i(&rays.place),
-            period: period as i32,
+            period: start.period as i32,
             red_blue: none,
             green_alpha: none,
             parts: none,
@@ -202,7 +210,7 @@ impl<L: Lanes> Sight<L> {
         let planes = &self.planes;
         let posts = station.posts(l, field, planes);
         let height = station.crossing.heights(l, field, posts);
-        let inverse = 1.0 / t.max(NEAREST);
+        let inverse = 1.0 / t.max(self.nearest);
         Line {
             station,
             posts,
@@ -229,7 +237,7 @@ impl<L: Lanes> Sight<L> {
         [
             Place {
                 t: l.splat(t),
-                inverse: l.splat(1.0 / t.max(NEAREST)),
+                inverse: l.splat(1.0 / t.max(self.nearest)),
                 height: self.height,
                 slope: self.slope,
             },
@@ -335,7 +343,7 @@ impl<L: Lanes> Sight<L> {
         let [from, to] = self.ends(l, line, between);
         let t = l.add(from.t, l.mul(bend.share, l.sub(to.t, from.t)));
         let height = bend.heights(l, field, self.posts, line.posts);
-        let inverse = l.div(l.splat(1.0), l.max(t, l.splat(NEAREST)));
+        let inverse = l.div(l.splat(1.0), l.max(t, l.splat(self.nearest)));
         let middle = Place {
             t,
             inverse,
@@ -369,7 +377,7 @@ impl<L: Lanes> Sight<L> {
                 l.add(from.height, l.mul(rise, l.sub(begin, from.t))),
                 l.add(from.height, l.mul(rise, l.sub(end, from.t))),
             ];
-            let nearest = l.splat(NEAREST);
+            let nearest = l.splat(self.nearest);
             inverses = [
                 l.div(one, l.max(begin, nearest)),
                 l.div(one, l.max(end, nearest)),
