@@ -15,13 +15,14 @@ pub(super) struct Paint<L: Lanes> {
 }
 
 impl<L: Lanes> Paint<L> {
-    /// So many parts of the light of a piece; it lies half of `twice_share` of the way along it.
+    /// The light of a pixel's parts from one number to another, all of a piece; it lies half of `twice_share` of
+    /// the way along it.
     #[inline(always)]
     pub(super) fn light<const BENT: bool>(
         &self,
         l: L,
         twice_share: L::F,
-        number: L::I,
+        [from, to]: [L::I; 2],
     ) -> [L::I; 2] {
         let [begin, end] = self.ends;
         if BENT {
@@ -29,11 +30,13 @@ impl<L: Lanes> Paint<L> {
             let one = between(l, begin, self.control, share);
             let other = between(l, self.control, end, share);
             let there = between(l, one, other, share);
-            // Of 2 ^ 15, of which there is one less.
-            let most = l.splat_i(i32::from(i16::MAX));
-            let number = twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most));
-            return between(l, [l.splat_i(0); 2], there, number);
+            // Both sums are rounded: their differences add up to a whole pixel's, however many there are.
+            let none = [l.splat_i(0); 2];
+            let before = between(l, none, there, shares(l, from));
+            let behind = between(l, none, there, shares(l, to));
+            return [l.sub_i(behind[0], before[0]), l.sub_i(behind[1], before[1])];
         }
+        let number = l.sub_i(to, from);
         let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
         let of_end = l.shr_i(l.mul_halves(number, share), l.splat_i(7));
         let of_begin = twice(l, l.sub_i(number, of_end));
@@ -49,6 +52,14 @@ impl<L: Lanes> Paint<L> {
             ),
         ]
     }
+}
+
+/// So many parts of a pixel as shares of it, in both halves.
+#[inline(always)]
+fn shares<L: Lanes>(l: L, number: L::I) -> L::I {
+    // Of 2 ^ 15, of which there is one less.
+    let most = l.splat_i(i32::from(i16::MAX));
+    twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most))
 }
 
 /// Sums of light of straight profiles, of which a whole pixel's is its colour [`PARTS`](super::rays::PARTS)

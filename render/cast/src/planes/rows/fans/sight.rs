@@ -513,7 +513,7 @@ impl<L: Lanes> Sight<L> {
         let (zero, none) = (l.splat(0.0), l.splat_i(0));
         let share = l.mul(l.sub(self.high, piece.slopes[0]), paint.per_rise);
         let share = l.max(share, zero);
-        let rest = l.sub_i(l.splat_i(PARTS as i32), self.parts);
+        let rest = [self.parts, l.splat_i(PARTS as i32)];
         let more = paint.light::<BENT>(l, l.add(paint.done, share), rest);
         let whole = [
             l.add_i(self.red_blue, more[0]),
@@ -574,8 +574,8 @@ impl<L: Lanes> Sight<L> {
         let up_to = l.to_int(l.max(l.min(up_to, l.splat(PARTS)), l.splat(0.0)));
         let up_to = l.max_i(up_to, self.parts);
         let up_to = l.select_i(piece.visible, up_to, self.parts);
-        let more = l.sub_i(up_to, self.parts);
-        let more = paint.light::<BENT>(l, l.add(paint.done, l.splat(1.0)), more);
+        let parts = [self.parts, up_to];
+        let more = paint.light::<BENT>(l, l.add(paint.done, l.splat(1.0)), parts);
         self.red_blue = l.add_i(self.red_blue, more[0]);
         self.green_alpha = l.add_i(self.green_alpha, more[1]);
         self.parts = up_to;
