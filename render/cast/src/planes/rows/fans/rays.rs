@@ -126,6 +126,9 @@ impl<L: Lanes> March<'_, L> {
     /// How far the rays around a plane of a fan reach in the step before, at least: all that are higher see
     /// nothing nearer. Less than 0 where they meet nothing. `None` where there are no such rays, and where
     /// they lie so far apart, beside the vanishing point, that all of the ground may lie between them.
+    ///
+    /// Two on either side are asked, where there are, as rays may be those of the last fan's planes: a pixel's is
+    /// that of the plane which is nearer to it, so that at an edge two alone might all be of its one side.
     fn seen_before(&self, fan: &Fan, plane: usize, scratch: &Scratch) -> Option<f32> {
         /// Planes from a ray to the next.
         const MOST: f64 = 2.0;
@@ -139,9 +142,15 @@ impl<L: Lanes> March<'_, L> {
             // One ray alone may come over the ground later than the plane.
             return None;
         }
-        let at = self.slot(step) + MARGIN + lane as usize;
-        let [one, other] = [scratch.reached[at], scratch.reached[at + 1]];
-        let [least, most] = [one.min(other), one.max(other)];
-        Some(if least < 0.0 { most } else { least })
+        let at = self.slot(step) + MARGIN;
+        let around = (lane - 1).max(from) as usize..=(lane + 2).min(to - 1) as usize;
+        let reached = around.map(|lane| scratch.reached[at + lane]);
+        Some(reached.fold(-1.0, |least, t| {
+            if t < 0.0 || (0.0..t).contains(&least) {
+                least
+            } else {
+                t
+            }
+        }))
     }
 }
