@@ -5,7 +5,8 @@ use super::rays::{Each, PARTS, Rays};
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
 use crate::planes::profile::{
-    Bend, BentColours, Mark, Outlook, PlaneGroup, Station, Stretch, Texels, coarse_halves,
+    Bend, BentColours, Mark, Outlook, PlaneGroup, Station, Stretch, Texels, between, coarse_halves,
+    parts,
 };
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
@@ -52,6 +53,8 @@ struct Piece<L: Lanes> {
     inverses: [L::F; 2],
     /// The higher slope: where the ground begins over the horizon, its side is seen, too.
     top: L::F,
+    /// Which planes come over the ground between the places, if some may, and how much of the way that is there.
+    begin: Option<(L::M, L::F)>,
     /// Which planes are over ground there.
     here: L::M,
     /// Which planes see some of it.
@@ -281,7 +284,7 @@ impl<L: Lanes> Sight<L> {
             let piece = self.piece(l, &line, between);
             is_seen = l.bits(piece.visible) != 0;
             if is_seen {
-                let paint = self.paint(l, field, &line, &piece, between[0]);
+                let paint = self.paint(l, field, &line, &piece);
                 self.add::<false>(l, piece, paint, same, seen);
             }
         }
@@ -317,7 +320,7 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     fn is_at_border(&self, [t, end]: [f32; 2]) -> bool {
         let [last_enter, first_leave] = self.over_ground;
-        t < last_enter || first_leave < end
+        t <= last_enter || first_leave < end
     }
 
     /// The piece from the last line, at the first t, to the next one, at the second. Planes that have left
@@ -365,6 +368,7 @@ impl<L: Lanes> Sight<L> {
         let mut here = self.live;
         let mut inverses = [from.inverse, to.inverse];
         let mut slopes = [from.slope, to.slope];
+        let mut begins = None;
         if is_at_border {
             let one = l.splat(1.0);
             let begin = l.max(from.t, self.enter);
@@ -372,7 +376,10 @@ impl<L: Lanes> Sight<L> {
             self.live = l.and(self.live, l.lt(begin, self.leave));
             here = l.and(self.live, l.lt(begin, end));
             let way = l.max(l.sub(to.t, from.t), l.splat(f32::MIN_POSITIVE));
-            let rise = l.mul(l.sub(to.height, from.height), l.div(one, way));
+            let per_way = l.div(one, way);
+            let comes = l.le(from.t, self.enter);
+            begins = Some((comes, l.mul(l.sub(begin, from.t), per_way)));
+            let rise = l.mul(l.sub(to.height, from.height), per_way);
             let heights = [
                 l.add(from.height, l.mul(rise, l.sub(begin, from.t))),
                 l.add(from.height, l.mul(rise, l.sub(end, from.t))),
@@ -392,6 +399,7 @@ impl<L: Lanes> Sight<L> {
             slopes,
             inverses,
             top,
+            begin: begins,
             here,
             visible: l.and(here, l.lt(self.horizon, top)),
         }
@@ -404,16 +412,9 @@ impl<L: Lanes> Sight<L> {
         piece.visible = l.and(here, l.lt(self.horizon, piece.top));
     }
 
-    /// The colours of a piece from the last line, at t, to the next one.
+    /// The colours of a piece that ends at a line.
     #[inline(always)]
-    fn paint(
-        &mut self,
-        l: L,
-        field: &Field<'_>,
-        line: &Line<L>,
-        piece: &Piece<L>,
-        t: f32,
-    ) -> Paint<L> {
+    fn paint(&mut self, l: L, field: &Field<'_>, line: &Line<L>, piece: &Piece<L>) -> Paint<L> {
         let end = match field.colours {
             Some(colours) => line
                 .station
@@ -424,12 +425,16 @@ impl<L: Lanes> Sight<L> {
         // Where the line before was not seen, all that is seen lies close to this one; but where the ground begins
         // behind that.
         let slope = piece.slopes[0];
-        let seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
-        let seen = l.or(seen, l.le(l.splat(t), self.enter));
+        let mut seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
+        let mut begin = self.colours;
+        if let Some((comes, share)) = piece.begin {
+            seen = l.or(seen, comes);
+            begin = between(l, begin, end, parts(l, share));
+        }
         let seen = l.and(seen, l.mask(if self.has_colours { u16::MAX } else { 0 }));
         let begin = [
-            l.select_i(seen, self.colours[0], end[0]),
-            l.select_i(seen, self.colours[1], end[1]),
+            l.select_i(seen, begin[0], end[0]),
+            l.select_i(seen, begin[1], end[1]),
         ];
         self.colours = end;
         Paint {
@@ -478,9 +483,18 @@ impl<L: Lanes> Sight<L> {
     ) -> Paint<L> {
         let per_rise = piece.per_rise(l);
         let hidden = l.mul(l.sub(self.horizon, piece.slopes[0]), per_rise);
+        let mut ends = [colours.ends[number], colours.ends[number + 1]];
+        let mut control = colours.controls[number];
+        if let Some((_, share)) = piece.begin {
+            // The rest of the parabola.
+            let share = parts(l, share);
+            let first = between(l, ends[0], control, share);
+            control = between(l, control, ends[1], share);
+            ends[0] = between(l, first, control, share);
+        }
         Paint {
-            ends: [colours.ends[number], colours.ends[number + 1]],
-            control: colours.controls[number],
+            ends,
+            control,
             per_rise,
             done: l.max(l.min(hidden, l.splat(1.0)), l.splat(0.0)),
         }
