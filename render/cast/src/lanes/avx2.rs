@@ -340,6 +340,10 @@ impl Lanes for Avx2 {
         on_halves!(_mm256_madd_epi16, a, b)
     }
     #[inline(always)]
+    fn min_halves(self, a: I, b: I) -> I {
+        on_halves!(_mm256_min_epu16, a, b)
+    }
+    #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         on_halves!(_mm256_mullo_epi16, a, b)
     }

@@ -402,6 +402,10 @@ impl Lanes for Avx512 {
         on_values!(_mm512_madd_epi16(a, b))
     }
     #[inline(always)]
+    fn min_halves(self, a: __m512i, b: __m512i) -> __m512i {
+        on_values!(_mm512_min_epu16(a, b))
+    }
+    #[inline(always)]
     fn mul_halves(self, a: __m512i, b: __m512i) -> __m512i {
         on_values!(_mm512_mullo_epi16(a, b))
     }

@@ -112,6 +112,8 @@ pub(crate) trait Lanes: Copy {
     fn mul_i(self, a: Self::I, b: Self::I) -> Self::I;
     /// Each product of numbers from 0 to 2¹⁵ − 1; of others, some number.
     fn mul_small(self, a: Self::I, b: Self::I) -> Self::I;
+    /// The lesser of each 16 bits without a sign.
+    fn min_halves(self, a: Self::I, b: Self::I) -> Self::I;
     /// The low 16 bits of the product of each 16 bits.
     fn mul_halves(self, a: Self::I, b: Self::I) -> Self::I;
     /// As much of the way from `a` to `b` as `share` has of 2¹⁵, rounded, of each 16 bits: signed

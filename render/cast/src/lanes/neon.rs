@@ -370,6 +370,13 @@ impl Lanes for Neon {
         self.mul_i(a, b)
     }
     #[inline(always)]
+    fn min_halves(self, a: I, b: I) -> I {
+        on_values!(std::array::from_fn(|k| {
+            let least = vminq_u16(vreinterpretq_u16_s32(a[k]), vreinterpretq_u16_s32(b[k]));
+            vreinterpretq_s32_u16(least)
+        }))
+    }
+    #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         on_values!(std::array::from_fn(|k| {
             let product = vmulq_s16(vreinterpretq_s16_s32(a[k]), vreinterpretq_s16_s32(b[k]));

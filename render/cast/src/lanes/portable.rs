@@ -208,6 +208,15 @@ impl Lanes for Portable {
         map(|a, b| (a & 0x7fff) * (b & 0x7fff), a, b)
     }
     #[inline(always)]
+    fn min_halves(self, a: I, b: I) -> I {
+        let least = |a: i32, b: i32| {
+            let low = (a & 0xffff).min(b & 0xffff);
+            let high = (a as u32 >> 16).min(b as u32 >> 16);
+            low | (high << 16) as i32
+        };
+        map(least, a, b)
+    }
+    #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
         let product = |a: i32, b: i32| {
             let low = (a & 0xffff).wrapping_mul(b & 0xffff) & 0xffff;

@@ -132,6 +132,11 @@ each_isa! {
                 let product = |shift: i32| ((a >> shift) as u16).wrapping_mul((b >> shift) as u16);
                 i32::from(product(0)) | i32::from(product(16)) << 16
             };
+            let least = |a: i32, b: i32| {
+                let least = |shift: i32| ((a >> shift) as u16).min((b >> shift) as u16);
+                i32::from(least(0)) | i32::from(least(16)) << 16
+            };
+            assert_same_ints(l, "min_halves", l.min_halves(x, y), from_fn(|k| least(a[k], b[k])));
             assert_same_ints(l, "mul_halves", l.mul_halves(x, y), from_fn(|k| halves(a[k], b[k])));
             let share = random.lanes(Random::int);
             let between = |k: usize| {

@@ -1,5 +1,6 @@
 //! The light of pieces of the ground.
 
+use super::rays::PARTS;
 use crate::lanes::Lanes;
 use crate::planes::profile::{FINE, between, parts, twice, upper_bytes};
 
@@ -15,14 +16,14 @@ pub(super) struct Paint<L: Lanes> {
 }
 
 impl<L: Lanes> Paint<L> {
-    /// The light of a pixel's parts from one number to another, all of a piece; it lies half of `twice_share` of
-    /// the way along it.
+    /// So many parts of the light of a piece; it lies half of `twice_share` of the way along it. Of bent profiles
+    /// it is rounded, so that many small parts may make a little more than the whole.
     #[inline(always)]
     pub(super) fn light<const BENT: bool>(
         &self,
         l: L,
         twice_share: L::F,
-        [from, to]: [L::I; 2],
+        number: L::I,
     ) -> [L::I; 2] {
         let [begin, end] = self.ends;
         if BENT {
@@ -30,13 +31,11 @@ impl<L: Lanes> Paint<L> {
             let one = between(l, begin, self.control, share);
             let other = between(l, self.control, end, share);
             let there = between(l, one, other, share);
-            // Both sums are rounded: their differences add up to a whole pixel's, however many there are.
-            let none = [l.splat_i(0); 2];
-            let before = between(l, none, there, shares(l, from));
-            let behind = between(l, none, there, shares(l, to));
-            return [l.sub_i(behind[0], before[0]), l.sub_i(behind[1], before[1])];
+            // Of 2 ^ 15, of which there is one less.
+            let most = l.splat_i(i32::from(i16::MAX));
+            let number = twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most));
+            return between(l, [l.splat_i(0); 2], there, number);
         }
-        let number = l.sub_i(to, from);
         let share = l.to_int(l.mul(l.min(twice_share, l.splat(2.0)), l.splat(64.0)));
         let of_end = l.shr_i(l.mul_halves(number, share), l.splat_i(7));
         let of_begin = twice(l, l.sub_i(number, of_end));
@@ -54,20 +53,23 @@ impl<L: Lanes> Paint<L> {
     }
 }
 
-/// So many parts of a pixel as shares of it, in both halves.
+/// Sums of light of straight profiles, of which a whole pixel's is its colour [`PARTS`] times, from those of bent
+/// ones of so many parts, of which it is that [`FINE`] times.
 #[inline(always)]
-fn shares<L: Lanes>(l: L, number: L::I) -> L::I {
-    // Of 2 ^ 15, of which there is one less.
-    let most = l.splat_i(i32::from(i16::MAX));
-    twice(l, l.min_i(l.shl_i(number, l.splat_i(7)), most))
-}
-
-/// Sums of light of straight profiles, of which a whole pixel's is its colour [`PARTS`](super::rays::PARTS)
-/// times, from those of bent ones, of which it is that [`FINE`] times.
-#[inline(always)]
-pub(super) fn straight<L: Lanes>(l: L, light: [L::I; 2]) -> [L::I; 2] {
-    let shift = l.splat_i(8 - FINE.trailing_zeros() as i32);
-    [l.shl_i(light[0], shift), l.shl_i(light[1], shift)]
+pub(super) fn straight<L: Lanes>(
+    l: L,
+    [red_blue, green_alpha]: [L::I; 2],
+    number: L::I,
+) -> [L::I; 2] {
+    const { assert!(PARTS == 4.0 * FINE as f32) };
+    // No more than white, whatever was rounded.
+    let white = l.shr_i(l.sub_i(l.shl_i(number, l.splat_i(8)), number), l.splat_i(2));
+    let white = twice(l, white);
+    let shift = l.splat_i(2);
+    [
+        l.shl_i(l.min_halves(red_blue, white), shift),
+        l.shl_i(l.min_halves(green_alpha, white), shift),
+    ]
 }
 
 /// Colours from sums of light in halves.

@@ -28,10 +28,12 @@ pub(super) struct Rays {
     /// The t at which planes come over the ground and leave it.
     pub(super) enter: Each,
     pub(super) leave: Each,
+    /// The t from which on planes may meet ground: nearer ground is seen below them.
+    pub(super) begin: Each,
     /// In how many steps planes are seen, and where among what is seen the first one goes.
     pub(super) steps: Each,
     pub(super) place: [i32; LANES],
-    /// Which of the planes may meet ground, and from which t on.
+    /// Which of the planes may meet ground, and from which t on some do.
     pub(super) live: u16,
     pub(super) start: f32,
 }
@@ -59,6 +61,7 @@ impl<L: Lanes> March<'_, L> {
             horizon: [0.0; LANES],
             advance: [0.0; LANES],
             enter: [0.0; LANES],
+            begin: [0.0; LANES],
             leave: [0.0; LANES],
             steps: [0.0; LANES],
             place: [0; LANES],
@@ -114,7 +117,7 @@ impl<L: Lanes> March<'_, L> {
                     None => {}
                 }
             }
-            rays.enter[k] = start;
+            rays.begin[k] = start;
             if start < leave {
                 rays.live |= 1 << k;
                 rays.start = rays.start.min(start);

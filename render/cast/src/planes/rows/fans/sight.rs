@@ -88,6 +88,9 @@ pub(super) struct Sight<L: Lanes> {
     enter: L::F,
     leave: L::F,
     over_ground: [f32; 2],
+    /// The t from which on planes may meet ground, and the largest of them.
+    begin: L::F,
+    last_begin: f32,
     /// Which planes go on.
     pub(super) live: L::M,
     /// Borders that the horizon has come over, where the pixel under the next one goes, and from
@@ -146,6 +149,8 @@ impl<L: Lanes> Sight<L> {
             enter: load(&rays.enter),
             leave: load(&rays.leave),
             over_ground: rays.over_ground(),
+            begin: load(&rays.begin),
+            last_begin: rays.begin.iter().copied().fold(0.0, f32::max),
             live: l.mask(rays.live),
             border: zero,
             place: l.load_i(&rays.place),
@@ -323,12 +328,23 @@ impl<L: Lanes> Sight<L> {
         t <= last_enter || first_leave < end
     }
 
+    /// Whether some planes only begin behind t.
+    #[inline(always)]
+    fn is_at_begin(&self, [t, _]: [f32; 2]) -> bool {
+        t < self.last_begin
+    }
+
     /// The piece from the last line, at the first t, to the next one, at the second. Planes that have left
     /// the ground before go on no further.
     #[inline(always)]
     fn piece(&mut self, l: L, line: &Line<L>, between: [f32; 2]) -> Piece<L> {
         let ends = self.ends(l, line, between);
-        self.straight(l, ends, self.is_at_border(between))
+        self.straight(
+            l,
+            ends,
+            self.is_at_border(between),
+            self.is_at_begin(between),
+        )
     }
 
     /// As `piece`, in two straight ones.
@@ -353,18 +369,24 @@ impl<L: Lanes> Sight<L> {
             height,
             slope: l.mul(height, inverse),
         };
-        let is_at_border = self.is_at_border(between);
+        let (is_at_border, is_at_begin) = (self.is_at_border(between), self.is_at_begin(between));
         let pieces = [
-            self.straight(l, [from, middle], is_at_border),
-            self.straight(l, [middle, to], is_at_border),
+            self.straight(l, [from, middle], is_at_border, is_at_begin),
+            self.straight(l, [middle, to], is_at_border, is_at_begin),
         ];
         (pieces, bend)
     }
 
     /// A straight piece from place to place, of which some may lie beside the ground where it
-    /// `is_at_border`.
+    /// `is_at_border`, and some before planes begin where it `is_at_begin`.
     #[inline(always)]
-    fn straight(&mut self, l: L, [from, to]: [Place<L>; 2], is_at_border: bool) -> Piece<L> {
+    fn straight(
+        &mut self,
+        l: L,
+        [from, to]: [Place<L>; 2],
+        is_at_border: bool,
+        is_at_begin: bool,
+    ) -> Piece<L> {
         let mut here = self.live;
         let mut inverses = [from.inverse, to.inverse];
         let mut slopes = [from.slope, to.slope];
@@ -393,6 +415,9 @@ impl<L: Lanes> Sight<L> {
                 l.mul(heights[0], inverses[0]),
                 l.mul(heights[1], inverses[1]),
             ];
+        }
+        if is_at_begin {
+            here = l.and(here, l.lt(self.begin, to.t));
         }
         let top = l.max(slopes[0], slopes[1]);
         Piece {
@@ -504,7 +529,8 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     pub(super) fn straighten(&mut self, l: L) {
         self.colours = coarse_halves(l, self.colours);
-        [self.red_blue, self.green_alpha] = straight(l, [self.red_blue, self.green_alpha]);
+        [self.red_blue, self.green_alpha] =
+            straight(l, [self.red_blue, self.green_alpha], self.parts);
     }
 
     /// Over which planes' next borders a piece rises.
@@ -527,13 +553,14 @@ impl<L: Lanes> Sight<L> {
         let (zero, none) = (l.splat(0.0), l.splat_i(0));
         let share = l.mul(l.sub(self.high, piece.slopes[0]), paint.per_rise);
         let share = l.max(share, zero);
-        let rest = [self.parts, l.splat_i(PARTS as i32)];
+        let all = l.splat_i(PARTS as i32);
+        let rest = l.sub_i(all, self.parts);
         let more = paint.light::<BENT>(l, l.add(paint.done, share), rest);
         let whole = [
             l.add_i(self.red_blue, more[0]),
             l.add_i(self.green_alpha, more[1]),
         ];
-        let whole = if BENT { straight(l, whole) } else { whole };
+        let whole = if BENT { straight(l, whole, all) } else { whole };
         paint.done = l.select(over, share, paint.done);
         let [from, to] = piece.inverses;
         let crossed = l.add(from, l.mul(l.sub(to, from), share));
@@ -588,8 +615,8 @@ impl<L: Lanes> Sight<L> {
         let up_to = l.to_int(l.max(l.min(up_to, l.splat(PARTS)), l.splat(0.0)));
         let up_to = l.max_i(up_to, self.parts);
         let up_to = l.select_i(piece.visible, up_to, self.parts);
-        let parts = [self.parts, up_to];
-        let more = paint.light::<BENT>(l, l.add(paint.done, l.splat(1.0)), parts);
+        let more = l.sub_i(up_to, self.parts);
+        let more = paint.light::<BENT>(l, l.add(paint.done, l.splat(1.0)), more);
         self.red_blue = l.add_i(self.red_blue, more[0]);
         self.green_alpha = l.add_i(self.green_alpha, more[1]);
         self.parts = up_to;
