@@ -6,7 +6,6 @@ use super::fan::Fan;
 use super::rays::Rays;
 use super::sight::{SAME, Sight, Start};
 use crate::lanes::{LANES, Lanes};
-use crate::planes::field::Field;
 use crate::planes::profile::{Mark, parts_between, passed};
 
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
@@ -281,14 +280,21 @@ impl<L: Lanes> March<'_, L> {
                     move || parts_between(l, field, stretches, allowed, MOST_PARTS),
                 );
                 if parts > 1 {
-                    let sights = [*left, *right];
-                    let (seen, line) = (&mut *seen, line - 1);
-                    let sights = l.vectorize(
-                        #[inline(always)]
-                        move || look_between(l, field, sights, [line, parts], t, same, seen),
-                    );
-                    ([*left, *right], t, some_is_seen) = sights;
                     to_a_cell = parts as f32;
+                    for k in 1..parts {
+                        let mark = Mark {
+                            line: line - 1,
+                            part: k as f32 / to_a_cell,
+                        };
+                        let between = [t, (line - 1) as f32 - field.major.fraction + mark.part];
+                        t = between[1];
+                        let there = left.place(l, field, mark, t);
+                        some_is_seen |=
+                            left.look::<true>(l, field, there, between, to_a_cell, same, seen);
+                        let there = right.place(l, field, mark, t);
+                        some_is_seen |=
+                            right.look::<true>(l, field, there, between, to_a_cell, same, seen);
+                    }
                 }
             }
             let between = [t, end];
@@ -304,33 +310,4 @@ impl<L: Lanes> March<'_, L> {
         }
         None
     }
-}
-
-/// Leads planes that are on `line`, at t, on towards the next line, to the last of the places in between that cut
-/// the cell into so many parts. Gives them, that place's t, and whether they have seen some of the ground.
-#[inline(always)]
-fn look_between<L: Lanes>(
-    l: L,
-    field: &Field<'_>,
-    [mut left, mut right]: [Sight<L>; 2],
-    [line, parts]: [i32; 2],
-    mut t: f32,
-    same: f32,
-    seen: &mut [[i32; 2]],
-) -> ([Sight<L>; 2], f32, bool) {
-    let to_a_cell = parts as f32;
-    let mut is_seen = false;
-    for k in 1..parts {
-        let mark = Mark {
-            line,
-            part: k as f32 / to_a_cell,
-        };
-        let between = [t, line as f32 - field.major.fraction + mark.part];
-        for sight in [&mut left, &mut right] {
-            let there = sight.place(l, field, mark, between[1]);
-            is_seen |= sight.look::<true>(l, field, there, between, to_a_cell, same, seen);
-        }
-        t = between[1];
-    }
-    ([left, right], t, is_seen)
 }
