@@ -1,0 +1,112 @@
+//! Level of detail over random ground, near and far: what a pixel shows is there.
+
+use glam::DVec2;
+use sandtable_cast::{CastPool, Image, Planes, PreparedScene, Scene, caster_by_name};
+use sandtable_terrain::{Ground, Photo, TiledRaster};
+use sandtable_tests::random_views::case;
+use sandtable_view::View;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Points along a pixel's side at which it is looked at without detail; one of them is its middle.
+const SIDE: usize = 5;
+
+/// By how much a colour may lie outside of those around: about a twentieth of the ground's length.
+const ASIDE: u8 = 10;
+
+/// Pixels of a view that may do so: tips of spikes, and edges between two planes.
+const MOST: usize = 20;
+
+/// Views in which something was wrong once: eyes on the ground or hardly over it, spikes and fences close by, walls
+/// of the ground's border from afar, edges that run towards the point straight below.
+const HARD: [u64; 16] = [
+    69, 98, 142, 237, 1434, 1883, 2409, 3055, 3204, 4230, 4313, 4419, 4569, 5030, 6504, 6585,
+];
+
+/// The ground under a picture that tells of each place where it is.
+fn with_places(ground: &Ground) -> Ground {
+    let grid = ground.grid();
+    let part = |at: u32, posts: u32| (20.0 + 215.0 * f64::from(at) / f64::from(posts - 1)) as u8;
+    let pixel = |x: u32, y: u32| [part(x, grid.cols), part(y, grid.rows), 128, 255];
+    let pixels = TiledRaster::from_fn(grid.cols, grid.rows, pixel);
+    ground.clone().with_photo(Photo {
+        pixels,
+        origin: DVec2::ZERO,
+        spacing: grid.spacing,
+    })
+}
+
+/// The least and the most of three channels.
+type Range = [[u8; 2]; 3];
+
+fn joined(ranges: impl Iterator<Item = Range>) -> Range {
+    ranges.fold([[u8::MAX, 0]; 3], |a, b| {
+        std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+    })
+}
+
+/// How many pixels of an image show what is nowhere in them or in those around them, as one with [`SIDE`] times as
+/// many pixels along both axes has it.
+fn misplaced(image: &Image, fine: &Image, view: &View) -> usize {
+    let [width, height] = view.size.map(|side| side as usize);
+    let within = |i: usize, j: usize| {
+        let rows = (SIDE * j..SIDE * (j + 1)).flat_map(|row| {
+            let from = row * SIDE * width + SIDE * i;
+            &fine.colour()[from..from + SIDE]
+        });
+        joined(rows.map(|colour| std::array::from_fn(|k| [colour[k]; 2])))
+    };
+    let pixels = (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
+    let ranges: Vec<_> = pixels.map(|(i, j)| within(i, j)).collect();
+    let is_misplaced = |&(i, j): &(usize, usize)| {
+        let around = (j - 1..=j + 1).flat_map(|j| &ranges[j * width + i - 1..=j * width + i + 1]);
+        let range = joined(around.copied());
+        let colour = image.colour()[j * width + i];
+        (0..3).any(|k| {
+            let [least, most] = range[k];
+            colour[k].saturating_add(ASIDE) < least || most.saturating_add(ASIDE) < colour[k]
+        })
+    };
+    let inside = (1..height - 1).flat_map(|j| (1..width - 1).map(move |i| (i, j)));
+    inside.filter(is_misplaced).count()
+}
+
+#[test]
+fn what_a_pixel_shows_is_there() {
+    let pool = CastPool::new(2).expect("threads");
+    let mut scenes: HashMap<&str, [Arc<dyn PreparedScene>; 2]> = HashMap::new();
+    let mut wrong = Vec::new();
+    let (mut all, mut views) = (0, 0);
+    for seed in HARD.into_iter().chain(0..60) {
+        let case = case(seed);
+        let prepared = scenes.entry(case.terrain).or_insert_with(|| {
+            let scene = Scene::new(with_places(&case.scene.ground));
+            [Planes::WITH_DETAIL, "planes"].map(|caster| {
+                let caster = caster_by_name(caster).expect("there is one");
+                pool.run(|| caster.prepare(Arc::clone(&scene)))
+                    .expect("suits")
+            })
+        });
+        let fine = View {
+            size: case.view.size.map(|side| side * SIDE as u32),
+            ..case.view
+        };
+        let [image, truth] = [0, 1].map(|k| {
+            let mut image = [Image::default()];
+            let view = [case.view, fine][k];
+            pool.cast(&*prepared[k], &[view], &mut image)
+                .expect("accepted");
+            let [image] = image;
+            image
+        });
+        let count = misplaced(&image, &truth, &case.view);
+        if count > MOST {
+            wrong.push(format!("{case}: {count} pixels"));
+        }
+        all += count;
+        views += 1;
+    }
+    println!("{all} pixels of {views} views");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(all < 3 * views, "{all} of {views} views");
+}
