@@ -74,7 +74,6 @@ impl<L: Lanes> Piece<L> {
 }
 
 /// What sixteen planes have seen so far.
-#[derive(Clone, Copy)]
 pub(super) struct Sight<L: Lanes> {
     pub(super) planes: PlaneGroup<L>,
     /// Directions of pixels' borders, as [`Rays`] has them.
