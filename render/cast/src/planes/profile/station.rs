@@ -37,20 +37,18 @@ impl<L: Lanes> Station<L> {
         }
     }
 
-    /// Where planes are between a line and the next one.
+    /// Where planes are between a line and the next one; one post beside those around them is known, too.
     #[inline(always)]
     pub(in crate::planes) fn between(
         l: L,
         field: &Field<'_>,
         planes: &PlaneGroup<L>,
         Mark { line, part }: Mark,
-        beside: i32,
     ) -> Self {
         let t = line as f32 - field.major.fraction + part;
-        let crossing = |line: i32| Crossing::at(l, field, planes, line, t, beside);
         Self {
-            crossing: crossing(line),
-            next: Some((crossing(line + 1), part)),
+            crossing: Crossing::at(l, field, planes, line, t, 1),
+            next: Some((Crossing::at(l, field, planes, line + 1, t, 1), part)),
         }
     }
 

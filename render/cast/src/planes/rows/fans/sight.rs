@@ -208,7 +208,7 @@ impl<L: Lanes> Sight<L> {
     /// A place between two lines, at t.
     #[inline(always)]
     pub(super) fn place(&self, l: L, field: &Field<'_>, mark: Mark, t: f32) -> Line<L> {
-        let station = Station::between(l, field, &self.planes, mark, 1);
+        let station = Station::between(l, field, &self.planes, mark);
         self.at(l, field, station, t)
     }
 
