@@ -79,3 +79,34 @@ pub(super) fn packed<L: Lanes>(l: L, [red_blue, green_alpha]: [L::I; 2]) -> L::I
     let green_alpha = l.and_i(green_alpha, l.splat_i(0xff00_ff00_u32 as i32));
     l.add_i(upper_bytes(l, red_blue), green_alpha)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{LANES, Portable};
+
+    /// A white pixel is white, in however many pieces its light is added up; and so is what is seen of it so far.
+    #[test]
+    fn many_small_parts_are_white_at_most() {
+        let l = Portable;
+        let white = [l.splat_i(0x00ff_00ff * FINE); 2];
+        let paint = Paint::<Portable> {
+            ends: [white; 2],
+            control: white,
+            per_rise: l.splat(1.0),
+            done: l.splat(0.0),
+        };
+        for at_once in [1, 2, 4, 8, 64, 256] {
+            let mut light = [l.splat_i(0); 2];
+            for number in (at_once..=PARTS as i32).step_by(at_once as usize) {
+                let more = paint.light::<true>(l, l.splat(1.0), l.splat_i(at_once));
+                light = [l.add_i(light[0], more[0]), l.add_i(light[1], more[1])];
+                let [seen, _] = straight(l, light, l.splat_i(number));
+                let seen = (seen[0] & 0xffff) as f32 / number as f32;
+                assert!((252.0..=255.0).contains(&seen), "{seen} in {number} parts");
+            }
+            let whole = packed(l, straight(l, light, l.splat_i(PARTS as i32)));
+            assert_eq!(whole, [-1; LANES], "{at_once} parts at once");
+        }
+    }
+}
