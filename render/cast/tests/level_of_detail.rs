@@ -556,3 +556,44 @@ fn white_ground_has_no_specks() {
         assert!(inside > 500, "{inside} pixels of view {number}");
     }
 }
+
+/// A side of the ground that runs away from the eye: what a pixel sees of it is many posts long.
+#[test]
+fn the_grounds_sides_are_nearer_to_the_truth() {
+    let ground = Ground::from_fn(401, 401, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let noise = Photo {
+        pixels: TiledRaster::from_fn(401, 401, |x, y| {
+            let level = (64 + (hash(x, y) >> 25)) as u8;
+            [level, level, level, 255]
+        }),
+        origin: DVec2::ZERO,
+        spacing: DVec2::ONE,
+    };
+    let scene = Scene::new(ground.with_photo(noise));
+    // Beside each side, so that one of two lies aslant; and from so far away that a pixel covers a dozen posts of it,
+    // and a hundred.
+    for (eye, yaw, horizontal_fov, size, gain) in [
+        ([-10.0, -40.0], 0.2, 1.0, [160, 120], 7.0),
+        ([440.0, -9.0], -1.4, 1.0, [160, 120], 7.0),
+        ([411.0, 440.0], 3.3, 1.0, [160, 120], 7.0),
+        ([-60.0, 412.0], 1.75, 1.0, [160, 120], 7.0),
+        ([-500.0, -1500.0], 0.3, 0.15, [160, 120], 7.0),
+        ([-500.0, -1500.0], 0.3, 0.3, [32, 24], 8.5),
+    ] {
+        for roll in [0.0, 0.7] {
+            let attitude = Attitude {
+                yaw,
+                pitch: -0.1,
+                roll,
+            };
+            let camera = Camera {
+                eye: DVec3::from((DVec2::from(eye), 20.0)),
+                attitude,
+                horizontal_fov,
+            };
+            let [points, detail] = compared(&scene, camera.view(size));
+            println!("from {eye:?}, roll {roll}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points + gain, "from {eye:?}, roll {roll}");
+        }
+    }
+}

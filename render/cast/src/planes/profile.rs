@@ -3,6 +3,7 @@
 
 mod axis;
 mod bend;
+mod border;
 mod crossing;
 mod halves;
 mod outlook;
@@ -12,8 +13,11 @@ mod tests;
 mod window;
 
 pub(super) use bend::{Bend, BentColours};
+pub(super) use border::Border;
 pub(super) use crossing::Texels;
-pub(super) use halves::{FINE, between, coarse_halves, halves, parts, twice, upper_bytes};
+pub(super) use halves::{
+    FINE, between, coarse_halves, either, fine_halves, halves, parts, twice, upper_bytes,
+};
 pub(super) use outlook::{Outlook, passed};
 pub(super) use station::{Mark, Station, Stretch, parts as parts_between};
 

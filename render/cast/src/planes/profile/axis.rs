@@ -31,4 +31,9 @@ impl Axis {
         let cell = (along + self.fraction) as i32;
         cell.min(self.cells[1]).max(self.cells[0])
     }
+
+    /// As `inside`, of one place, but along the rays' direction.
+    pub(super) fn inside_alone(&self, along: f32, cell: i32) -> f32 {
+        (along + self.fraction - cell as f32).clamp(0.0, 1.0)
+    }
 }

@@ -7,7 +7,12 @@ pub(in crate::planes) const FINE: i32 = 64;
 
 /// One or the other colours in halves.
 #[inline(always)]
-pub(super) fn either<L: Lanes>(l: L, mask: L::M, yes: [L::I; 2], no: [L::I; 2]) -> [L::I; 2] {
+pub(in crate::planes) fn either<L: Lanes>(
+    l: L,
+    mask: L::M,
+    yes: [L::I; 2],
+    no: [L::I; 2],
+) -> [L::I; 2] {
     [
         l.select_i(mask, yes[0], no[0]),
         l.select_i(mask, yes[1], no[1]),
@@ -16,7 +21,7 @@ pub(super) fn either<L: Lanes>(l: L, mask: L::M, yes: [L::I; 2], no: [L::I; 2]) 
 
 /// Colours in halves, [`FINE`] times as large.
 #[inline(always)]
-pub(super) fn fine_halves<L: Lanes>(l: L, colours: L::I) -> [L::I; 2] {
+pub(in crate::planes) fn fine_halves<L: Lanes>(l: L, colours: L::I) -> [L::I; 2] {
     let [red_blue, green_alpha] = halves(l, colours);
     let shift = l.splat_i(FINE.trailing_zeros() as i32);
     [l.shl_i(red_blue, shift), l.shl_i(green_alpha, shift)]

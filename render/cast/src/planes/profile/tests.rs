@@ -131,6 +131,43 @@ fn profiles_are_the_grounds() {
     });
 }
 
+/// A stretch of the border has the mean of its colours, up to the ground's corners.
+#[test]
+fn the_borders_colours_are_the_grounds() {
+    each_rough_field(|field, _, colours| {
+        let axes = [&field.major, &field.minor];
+        let begins = axes.map(|axis| axis.line(axis.cells[0]));
+        let ends = axes.map(|axis| axis.line(axis.cells[1] + 1));
+        for (border, along) in [(Border::Front, 1), (Border::Side, 0)] {
+            for k in 0..200 {
+                let from = begins[along] + (ends[along] - begins[along]) * k as f32 / 199.0;
+                // In one cell, and over some.
+                for (length, most) in [(0.0, 1.0), (0.4, 8.0), (2.6, 20.0)] {
+                    let stretch = [from, (from + length).min(ends[along])];
+                    let fields = std::slice::from_ref(field);
+                    let mean = border.mean_colour(fields, begins, stretch);
+                    for channel in 0..4 {
+                        let truth = (0..100).map(|k| {
+                            let share = (f64::from(k) + 0.5) / 100.0;
+                            let [from, to] = stretch.map(f64::from);
+                            let there = from + (to - from) * share;
+                            let [major, minor] = begins.map(f64::from);
+                            let place = match border {
+                                Border::Front => place(field, major, there),
+                                Border::Side => place(field, there, minor),
+                            };
+                            code_at(colours, place, channel)
+                        });
+                        let truth = truth.sum::<f64>() / 100.0;
+                        let off = (f64::from(mean[channel]) - truth).abs();
+                        assert!(off < most, "{mean:?} and {truth} at {stretch:?}");
+                    }
+                }
+            }
+        }
+    });
+}
+
 /// The colours of a bent profile's pieces are the ground's, however cells are twisted.
 #[test]
 fn bent_colours_are_the_grounds() {

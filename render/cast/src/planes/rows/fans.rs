@@ -7,6 +7,7 @@ mod march;
 mod paint;
 mod rays;
 mod sight;
+mod walls;
 
 use self::march::PLANES;
 use super::March;

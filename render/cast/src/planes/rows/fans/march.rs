@@ -123,8 +123,9 @@ impl<L: Lanes> March<'_, L> {
             period: fan.room(),
         };
         let field = &self.fields[0];
-        let mut left = Sight::new(l, field, &rays[0], &start);
-        let mut right = Sight::new(l, field, &rays[1], &start);
+        let walls = [self.walls(&rays[0]), self.walls(&rays[1])];
+        let mut left = Sight::new(l, field, &rays[0], &walls[0], &start);
+        let mut right = Sight::new(l, field, &rays[1], &walls[1], &start);
         if rays[0].live != 0 || rays[1].live != 0 {
             let sights = [&mut left, &mut right];
             let way = self.way(fan, first, &rays);

@@ -2,11 +2,12 @@
 
 use super::paint::{Paint, packed, straight};
 use super::rays::{Each, PARTS, Rays};
+use super::walls::Walls;
 use crate::lanes::Lanes;
 use crate::planes::field::Field;
 use crate::planes::profile::{
     Bend, BentColours, Mark, Outlook, PlaneGroup, Station, Stretch, Texels, between, coarse_halves,
-    parts,
+    either, fine_halves, halves, parts,
 };
 
 /// How many pixels wide apart two hits may lie along the ground that are taken for one piece of it.
@@ -116,6 +117,9 @@ pub(super) struct Sight<L: Lanes> {
     slope: L::F,
     colours: [L::I; 2],
     has_colours: bool,
+    /// The colours of the ground's sides, of planes that may see them.
+    wall: L::I,
+    has_wall: L::M,
     /// Where profiles are bent between lines: how planes cross the last one, the posts around them, and
     /// these posts' colours, if those have been read.
     station: Station<L>,
@@ -126,7 +130,7 @@ pub(super) struct Sight<L: Lanes> {
 impl<L: Lanes> Sight<L> {
     /// Of planes that have seen nothing yet.
     #[inline(always)]
-    pub(super) fn new(l: L, field: &Field<'_>, rays: &Rays, start: &Start) -> Self {
+    pub(super) fn new(l: L, field: &Field<'_>, rays: &Rays, walls: &Walls, start: &Start) -> Self {
         let load = |numbers: &Each| l.load(numbers);
         let (zero, none) = (l.splat(0.0), l.splat_i(0));
         let steep = l.splat(start.steep);
@@ -168,6 +172,8 @@ impl<L: Lanes> Sight<L> {
             slope: zero,
             colours: [none; 2],
             has_colours: false,
+            wall: l.load_i(&walls.colours),
+            has_wall: l.mask(walls.seen),
         }
     }
 
@@ -175,8 +181,7 @@ impl<L: Lanes> Sight<L> {
     #[inline(always)]
     pub(super) fn skip_to<const BENT: bool>(&mut self, l: L, field: &Field<'_>, line: i32, t: f32) {
         let there = self.line::<BENT>(l, field, line, t);
-        let has_colours = self.look_at_begin::<BENT>(l, field, &there, t);
-        self.leave_behind::<BENT>(there, has_colours);
+        self.leave_behind::<BENT>(there, false);
         self.stay_over_ground(l, t);
     }
 
@@ -292,32 +297,8 @@ impl<L: Lanes> Sight<L> {
                 self.add::<false>(l, piece, paint, same, seen);
             }
         }
-        let has_colours = is_seen || self.look_at_begin::<BENT>(l, field, &line, between[1]);
-        self.leave_behind::<BENT>(line, has_colours);
+        self.leave_behind::<BENT>(line, is_seen);
         is_seen
-    }
-
-    /// Reads the colours of a line, at t, behind which some planes come over the ground: the ground's side has
-    /// them. Gives whether it has.
-    #[inline(always)]
-    fn look_at_begin<const BENT: bool>(
-        &mut self,
-        l: L,
-        field: &Field<'_>,
-        line: &Line<L>,
-        t: f32,
-    ) -> bool {
-        // Bent profiles read both ends of what they see.
-        if BENT || self.over_ground[0] < t {
-            return false;
-        }
-        if let Some(colours) = field.colours {
-            self.colours = line
-                .station
-                .crossing
-                .colours(l, field, &self.planes, colours);
-        }
-        true
     }
 
     /// Whether the ground begins or ends between two t.
@@ -446,20 +427,14 @@ impl<L: Lanes> Sight<L> {
                 .colours(l, field, &self.planes, colours),
             None => [l.splat_i(0); 2],
         };
-        // Where the line before was not seen, all that is seen lies close to this one; but where the ground begins
-        // behind that.
+        // Where the line before was not seen, all that is seen lies close to this one.
         let slope = piece.slopes[0];
-        let mut seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
-        let mut begin = self.colours;
-        if let Some((comes, share)) = piece.begin {
-            seen = l.or(seen, comes);
-            begin = between(l, begin, end, parts(l, share));
-        }
+        let seen = l.and(l.le(slope, self.horizon), l.le(self.horizon, slope));
         let seen = l.and(seen, l.mask(if self.has_colours { u16::MAX } else { 0 }));
-        let begin = [
-            l.select_i(seen, begin[0], end[0]),
-            l.select_i(seen, begin[1], end[1]),
-        ];
+        let mut begin = either(l, seen, self.colours, end);
+        if let Some((comes, _)) = piece.begin {
+            begin = either(l, l.and(comes, self.has_wall), halves(l, self.wall), begin);
+        }
         self.colours = end;
         Paint {
             ends: [begin, end],
@@ -509,12 +484,14 @@ impl<L: Lanes> Sight<L> {
         let hidden = l.mul(l.sub(self.horizon, piece.slopes[0]), per_rise);
         let mut ends = [colours.ends[number], colours.ends[number + 1]];
         let mut control = colours.controls[number];
-        if let Some((_, share)) = piece.begin {
+        if let Some((comes, share)) = piece.begin {
             // The rest of the parabola.
             let share = parts(l, share);
             let first = between(l, ends[0], control, share);
             control = between(l, control, ends[1], share);
             ends[0] = between(l, first, control, share);
+            let wall = fine_halves(l, self.wall);
+            ends[0] = either(l, l.and(comes, self.has_wall), wall, ends[0]);
         }
         Paint {
             ends,
