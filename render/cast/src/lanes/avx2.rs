@@ -74,10 +74,11 @@ static CLOSED_UP: [u64; 256] = {
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
 #[inline]
 fn bits_of(mask: M) -> [usize; 2] {
-    mask.map(
-        #[inline(always)]
-        |half| _mm256_movemask_ps(_mm256_castsi256_ps(half)) as u8 as usize,
-    )
+    let [low, high] = mask;
+    [
+        _mm256_movemask_ps(_mm256_castsi256_ps(low)) as u8 as usize,
+        _mm256_movemask_ps(_mm256_castsi256_ps(high)) as u8 as usize,
+    ]
 }
 
 /// Writes the lanes of `mask`, closed up, to the front of `to`.
@@ -85,13 +86,14 @@ fn bits_of(mask: M) -> [usize; 2] {
 #[inline]
 fn close_up(mask: M, value: I, to: &mut [i32; LANES]) {
     let [low, high] = bits_of(mask);
+    let [from_low, from_high] = [&raw const CLOSED_UP[low], &raw const CLOSED_UP[high]];
     // SAFETY: a table's entry has eight bytes.
-    let lanes = [low, high].map(
-        #[inline(always)]
-        |bits| unsafe {
-            _mm256_cvtepu8_epi32(_mm_loadl_epi64(std::ptr::from_ref(&CLOSED_UP[bits]).cast()))
-        },
-    );
+    let lanes = unsafe {
+        [
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(from_low.cast())),
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(from_high.cast())),
+        ]
+    };
     let to = to.as_mut_ptr();
     // SAFETY: a half takes eight of the sixteen places, and no more than eight are before it.
     unsafe {
@@ -389,7 +391,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn bits_of_float(self, number: F) -> I {
-        on_values!(number.map(|half| _mm256_castps_si256(half)))
+        on_halves!(_mm256_castps_si256, number)
     }
     #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
@@ -515,14 +517,8 @@ impl Lanes for Avx2 {
     fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
         let [low, high] = rows(posts, at, stride);
         on_values!({
-            let [[sw, se], [nw, ne]] = low.map(
-                #[inline(always)]
-                |pairs| apart(pairs),
-            );
-            let [[high_sw, high_se], [high_nw, high_ne]] = high.map(
-                #[inline(always)]
-                |pairs| apart(pairs),
-            );
+            let ([sw, se], [nw, ne]) = (apart(low[0]), apart(low[1]));
+            let ([high_sw, high_se], [high_nw, high_ne]) = (apart(high[0]), apart(high[1]));
             [[sw, high_sw], [se, high_se], [nw, high_nw], [ne, high_ne]]
         })
     }
@@ -535,15 +531,20 @@ impl Lanes for Avx2 {
         let south = bytes.as_ptr();
         let north = south.wrapping_add(stride as usize);
         // SAFETY: from each place on there is a row and four bytes.
-        let rows = [south, north].map(|row| unsafe {
-            [
-                _mm256_i32gather_epi32::<1>(row.cast(), from[0]),
-                _mm256_i32gather_epi32::<1>(row.cast(), from[1]),
-            ]
-        });
+        let (south, north) = unsafe {
+            (
+                [
+                    _mm256_i32gather_epi32::<1>(south.cast(), from[0]),
+                    _mm256_i32gather_epi32::<1>(south.cast(), from[1]),
+                ],
+                [
+                    _mm256_i32gather_epi32::<1>(north.cast(), from[0]),
+                    _mm256_i32gather_epi32::<1>(north.cast(), from[1]),
+                ],
+            )
+        };
         let skipped = self.shl_i(self.sub_i(at, from), self.splat_i(3));
-        let [byte, eight] = [0xff, 8].map(|number| self.splat_i(number));
-        let [south, north] = rows;
+        let (byte, eight) = (self.splat_i(0xff), self.splat_i(8));
         // The upper bytes that come down are those of what was read, or copies of a sign.
         let (south, north) = (self.shr_i(south, skipped), self.shr_i(north, skipped));
         let (south_east, north_east) = (self.shr_i(south, eight), self.shr_i(north, eight));
@@ -630,17 +631,18 @@ impl Lanes for Avx2 {
         stride: u32,
         places: [Texels<'_, Self>; 2],
     ) -> I {
-        let [first, second] = places.map(
-            #[inline(always)]
-            |of| {
-                let [low, high] = rows(texels, of.at, stride);
-                on_values!([
-                    blend_by_six_bits(low, of.east[0], of.north[0]),
-                    blend_by_six_bits(high, of.east[1], of.north[1]),
-                ])
-            },
-        );
+        let [first, second] = places;
+        let first_rows = rows(texels, first.at, stride);
+        let second_rows = rows(texels, second.at, stride);
         on_values!({
+            let first = [
+                blend_by_six_bits(first_rows[0], first.east[0], first.north[0]),
+                blend_by_six_bits(first_rows[1], first.east[1], first.north[1]),
+            ];
+            let second = [
+                blend_by_six_bits(second_rows[0], second.east[0], second.north[0]),
+                blend_by_six_bits(second_rows[1], second.east[1], second.north[1]),
+            ];
             let half = _mm256_set1_epi16(64);
             let mean = |k: usize, n: usize| {
                 let both = _mm256_add_epi16(first[k][n], second[k][n]);
