@@ -557,29 +557,36 @@ fn white_ground_has_no_specks() {
     }
 }
 
-/// A side of the ground that runs away from the eye: what a pixel sees of it is many posts long.
-#[test]
-fn the_grounds_sides_are_nearer_to_the_truth() {
-    let ground = Ground::from_fn(401, 401, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
-    let noise = Photo {
-        pixels: TiledRaster::from_fn(401, 401, |x, y| {
-            let level = (64 + (hash(x, y) >> 25)) as u8;
+/// Level ground of so many posts a side, a metre apart, under a photo of noise.
+fn noisy_slab(posts: u32) -> Arc<Scene> {
+    let ground = Ground::from_fn(posts, posts, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let level = |x: u32, y: u32| (64 + (hash(x, y) >> 25)) as u8;
+    Scene::new(ground.with_photo(Photo {
+        pixels: TiledRaster::from_fn(posts, posts, |x, y| {
+            let level = level(x, y);
             [level, level, level, 255]
         }),
         origin: DVec2::ZERO,
         spacing: DVec2::ONE,
-    };
-    let scene = Scene::new(ground.with_photo(noise));
-    // Beside each side, so that one of two lies aslant; and from so far away that a pixel covers a dozen posts of it,
-    // and a hundred.
-    for (eye, yaw, horizontal_fov, size, gain) in [
-        ([-10.0, -40.0], 0.2, 1.0, [160, 120], 7.0),
-        ([440.0, -9.0], -1.4, 1.0, [160, 120], 7.0),
-        ([411.0, 440.0], 3.3, 1.0, [160, 120], 7.0),
-        ([-60.0, 412.0], 1.75, 1.0, [160, 120], 7.0),
-        ([-500.0, -1500.0], 0.3, 0.15, [160, 120], 7.0),
-        ([-500.0, -1500.0], 0.3, 0.3, [32, 24], 8.5),
+    }))
+}
+
+/// Walls of the ground that run away from the eye: what a pixel sees of one is many posts long.
+#[test]
+fn walls_are_nearer_to_the_truth() {
+    // Beside each side, so that one of two walls lies aslant; and from so far away that a pixel covers a dozen
+    // posts of it, and a hundred. Over the small ground pixels have rays of their own.
+    for (posts, eye, yaw, horizontal_fov, size, gain) in [
+        (401, [-10.0, -40.0], 0.2, 1.0, [160, 120], 7.0),
+        (401, [440.0, -9.0], -1.4, 1.0, [160, 120], 7.0),
+        (401, [411.0, 440.0], 3.3, 1.0, [160, 120], 7.0),
+        (401, [-60.0, 412.0], 1.75, 1.0, [160, 120], 7.0),
+        (401, [-500.0, -1500.0], 0.3, 0.15, [160, 120], 7.0),
+        (401, [-500.0, -1500.0], 0.3, 0.3, [32, 24], 8.5),
+        (61, [-2.0, -8.0], 0.2, 0.4, [160, 120], 0.1),
+        (61, [68.0, -1.5], -1.4, 0.4, [160, 120], 0.1),
     ] {
+        let scene = noisy_slab(posts);
         for roll in [0.0, 0.7] {
             let attitude = Attitude {
                 yaw,
@@ -587,7 +594,7 @@ fn the_grounds_sides_are_nearer_to_the_truth() {
                 roll,
             };
             let camera = Camera {
-                eye: DVec3::from((DVec2::from(eye), 20.0)),
+                eye: DVec3::from((DVec2::from(eye), 0.05 * f64::from(posts - 1))),
                 attitude,
                 horizontal_fov,
             };

@@ -22,6 +22,15 @@ struct Places<L: Lanes> {
 }
 
 impl<L: Lanes> Places<L> {
+    /// Whether they lie on the ground's walls, where the ground begins at `begins` from the eye.
+    #[inline(always)]
+    fn are_on_walls(&self, l: L, begins: [f32; 2]) -> L::M {
+        // A little behind, however places are rounded: what is no wall there is as long as one.
+        let [major, minor] = begins.map(|begin| l.splat(begin * 1.00001));
+        let before = [l.le(self.major, major), l.le(self.minor, minor)];
+        l.or(before[0], before[1])
+    }
+
     /// The squares of how far away others are; infinity where there are none.
     #[inline(always)]
     fn away(&self, l: L, other: &Self) -> L::F {
@@ -191,21 +200,40 @@ const LONG: f32 = 1.43;
 const NARROW: f32 = 0.7;
 const NARROWEST: f32 = 0.15;
 
-/// Finds the filters of the pixels of a chunk in the groups that `wanted` names, of a texture with
-/// so many levels.
+/// A texture, as footprints meet it.
+#[derive(Clone, Copy)]
+pub(super) struct Sampling {
+    /// How many levels it has, and how many pixels the finest one has to a cell along major and minor axis.
+    pub(super) levels: usize,
+    pub(super) scale: [f32; 2],
+    /// Where the ground begins, in its pixels from the eye along both, if the eye lies beside the ground.
+    pub(super) begins: Option<[f32; 2]>,
+    /// How many times as wide as pixels filters are.
+    pub(super) blur: f32,
+}
+
+/// How wide footprints on walls are taken to be, as a part of their length: they have no width, but a wall has the
+/// colours of the border from top to bottom, so that there is nothing beside them to take in.
+const WALL: f32 = 0.35;
+
+/// Finds the filters of the pixels of a chunk in the groups that `wanted` names.
 ///
 /// A pixel's footprint is the parallelogram of its extents along steps and lanes (the pyramid's
 /// filter is made for its width, and two halves for its length).
 #[inline(always)]
 pub(super) fn filters<L: Lanes>(
     l: L,
-    levels: usize,
-    scale: [f32; 2],
-    blur: f32,
+    sampling: &Sampling,
     [before, this, behind]: &[Around<'_>; 3],
     wanted: &[u16],
     filters: &mut Filters,
 ) {
+    let Sampling {
+        levels,
+        scale,
+        begins,
+        blur,
+    } = *sampling;
     let coarsest = l.splat_i(levels as i32 - 1);
     let (zero, one) = (l.splat(0.0), l.splat(1.0));
     for (number, &wanted) in wanted.iter().enumerate() {
@@ -234,7 +262,11 @@ pub(super) fn filters<L: Lanes>(
         let length = l.sqrt(l.select(longer, v.square, u.square));
         let area = l.abs(l.sub(l.mul(u.major, v.minor), l.mul(u.minor, v.major)));
         let per_length = l.div(one, l.max(length, l.splat(1e-6)));
-        let width = l.mul(area, per_length);
+        let mut width = l.mul(area, per_length);
+        if let Some(begins) = begins {
+            let on_wall = l.mul(length, l.splat(WALL));
+            width = l.select(here.are_on_walls(l, begins), on_wall, width);
+        }
         // Where a footprint is smaller than a pixel, one place is as good as two.
         let is_long = l.lt(l.max(l.mul(width, l.splat(LONG)), one), length);
         let reach = l.select(
@@ -271,6 +303,15 @@ mod tests {
     /// `place` says where on the ground the pixel of a step and a lane lies, in pixels of a texture
     /// along the major and the minor axis.
     fn levels(lanes: [i32; 2], place: impl Fn(i32, i32) -> [f32; 2]) -> [i32; 4] {
+        levels_beside(None, lanes, place)
+    }
+
+    /// The same of ground that begins somewhere.
+    fn levels_beside(
+        begins: Option<[f32; 2]>,
+        lanes: [i32; 2],
+        place: impl Fn(i32, i32) -> [f32; 2],
+    ) -> [i32; 4] {
         let steps = [-1, 0, 1].map(|step| {
             let numbers = (-1..LANES as i32 + 1).map(|lane| place(step, lane));
             let (reached, advance): (Vec<_>, Vec<_>) =
@@ -283,7 +324,13 @@ mod tests {
             advance,
         });
         let mut found = Box::<Filters>::default();
-        filters(Portable, 9, [1.0; 2], 1.9, &around, &[0xf], &mut found);
+        let sampling = Sampling {
+            levels: 9,
+            scale: [1.0; 2],
+            begins,
+            blur: 1.9,
+        };
+        filters(Portable, &sampling, &around, &[0xf], &mut found);
         std::array::from_fn(|lane| found.levels[0][lane])
     }
 
@@ -297,6 +344,19 @@ mod tests {
         assert_eq!(long_and_wide(3.0), [2; 4]);
         assert_eq!(long_and_wide(1.5), [2; 4]);
         assert_eq!(long_and_wide(0.1), [0; 4]);
+    }
+
+    #[test]
+    fn on_a_wall_all_of_the_length_counts() {
+        // Lines of the image lead down the wall, beside each other along the border.
+        let on_the_side = |_: i32, lane: i32| [100.0 + 6.0 * lane as f32, 20.0];
+        let beside = |begins| levels_beside(Some(begins), [-1, 17], on_the_side);
+        assert_eq!(beside([-5.0, 20.0]), [2; 4]);
+        assert_eq!(beside([100.0 - 6.0, 3.0]), [0; 4]);
+        let on_the_front = |_: i32, lane: i32| [100.0, 20.0 + 6.0 * lane as f32];
+        let begins = Some([100.0, -40.0]);
+        assert_eq!(levels_beside(begins, [-1, 17], on_the_front), [2; 4]);
+        assert_eq!(levels([-1, 17], on_the_front), [0; 4]);
     }
 
     #[test]
@@ -358,7 +418,13 @@ mod tests {
                 let are = are_small(l, [1.0; 2], most, &around, wanted, 0);
                 let are = l.bits(are) & wanted;
                 let mut found = Box::<Filters>::default();
-                filters(l, 9, [1.0; 2], blur, &around, &[wanted], &mut found);
+                let sampling = Sampling {
+                    levels: 9,
+                    scale: [1.0; 2],
+                    begins: None,
+                    blur,
+                };
+                filters(l, &sampling, &around, &[wanted], &mut found);
                 for lane in (0..LANES).filter(|lane| wanted >> lane & 1 != 0) {
                     let levels = [0, 1].map(|half| found.levels[half][lane]);
                     let needs = found.two[0] >> lane & 1 != 0 || levels != [0; 2];

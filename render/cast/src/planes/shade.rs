@@ -106,6 +106,8 @@ pub(super) struct Shader<'a> {
     /// Where detail is chosen: the photo, and tints.
     textures: [Option<Mipmapped<'a>>; 2],
     blur: f32,
+    /// Where the ground begins, in cells from the eye along the major and the minor axis, if that lies beside it.
+    begins: Option<[f32; 2]>,
     /// Whether the ground is too large for the processor's nearer caches; and whether memory is asked for
     /// ahead of hits then, as it is where rays go over its own resolution alone.
     large: bool,
@@ -147,6 +149,8 @@ impl<'a> Shader<'a> {
             tints: Tints::new(frame.ground),
             textures,
             blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
+            begins: Some([&field.major, &field.minor].map(|axis| axis.line(axis.cells[0])))
+                .filter(|begins| begins.iter().any(|&begin| begin > 0.0)),
             large: frame.levels[0].is_large(),
             asks_ahead: frame.levels[0].is_large()
                 && !frame.coarsens

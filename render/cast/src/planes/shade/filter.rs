@@ -2,7 +2,7 @@
 
 use super::{Chunk, Shader, Shading};
 use crate::lanes::{LANES, Lanes, Texels, group, group_mut};
-use crate::planes::footprint::{are_small, filters, most_small};
+use crate::planes::footprint::{Sampling, are_small, filters, most_small};
 use crate::planes::texture::{Halves, Located, Mipmapped};
 use crate::planes::wave::{CAPACITY, Column};
 
@@ -72,11 +72,17 @@ impl Shader<'_> {
             l.vectorize(
                 #[inline(always)]
                 || {
+                    let [major, minor] = texture.scale;
+                    let to_pixels = |[along, aside]: [f32; 2]| [along * major, aside * minor];
+                    let sampling = Sampling {
+                        levels: texture.frame.levels,
+                        scale: texture.scale,
+                        begins: self.begins.map(to_pixels),
+                        blur: self.blur,
+                    };
                     filters(
                         l,
-                        texture.frame.levels,
-                        texture.scale,
-                        self.blur,
+                        &sampling,
                         &chunk.around,
                         &shading.filtered[..groups],
                         &mut shading.filters,
