@@ -6,10 +6,11 @@ use crate::planes::field::{Axis, Field, Tiles};
 const PLACES: usize = 8;
 
 /// A border of the ground that rays come over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::planes) enum Border {
-    /// Where the ground begins along the major axis, and the one where it begins along the minor axis.
+    /// Where the ground begins along the major axis.
     Front,
+    /// Where it begins along the minor axis.
     Side,
 }
 
@@ -25,7 +26,8 @@ impl Border {
         [from, to]: [f32; 2],
     ) -> [u8; 4] {
         let cells = (0.25 * (to - from)).max(1.0);
-        let level = (cells.log2() as usize).min(fields.len() - 1);
+        let octaves = (cells.to_bits() >> 23) - 127;
+        let level = (octaves as usize).min(fields.len() - 1);
         let field = &fields[level];
         let Some(colours) = field.colours else {
             return [0; 4];
@@ -73,11 +75,14 @@ impl Place {
     /// The post before what is `along` from the eye, and how far behind it that lies.
     fn before(axis: &Axis, along: f32) -> (Self, f32) {
         let cell = axis.cell_alone(along);
-        let is_far = false;
-        (Self { cell, is_far }, axis.inside_alone(along, cell))
+        let place = Self {
+            cell,
+            is_far: false,
+        };
+        (place, axis.inside_alone(along, cell))
     }
 
-    /// The post behind the near one of a cell.
+    /// The next post, of one that is the near one of its cell.
     fn next(self) -> Self {
         Self {
             is_far: true,
