@@ -117,7 +117,7 @@ pub(super) struct Sight<L: Lanes> {
     slope: L::F,
     colours: [L::I; 2],
     has_colours: bool,
-    /// The colours of the ground's sides, of planes that may see them.
+    /// The colours of walls, and which planes may see one.
     wall: L::I,
     has_wall: L::M,
     /// Where profiles are bent between lines: how planes cross the last one, the posts around them, and

@@ -1,16 +1,16 @@
-//! The ground's sides, where planes come over it.
+//! The ground's walls, below the border where planes come over it.
 
 use super::super::March;
 use super::rays::Rays;
 use crate::lanes::{LANES, Lanes};
 use crate::planes::profile::Border;
 
-/// By how much of t rays around a plane may have met a side farther away than the plane does.
+/// How many times as far away rays around a plane may have met a wall as the plane does.
 const SLACK: f32 = 1.02;
 
-/// The sides of the ground that sixteen planes meet, where the eye lies beside it.
+/// The walls that sixteen planes meet, where the eye lies beside the ground.
 ///
-/// A side has the colours of the border over it, and what a plane stands for of it is as long as planes lie apart
+/// A wall has the colours of the border over it, and what a plane stands for of it is as long as planes lie apart
 /// there: many posts, where it runs almost along them. So a plane sees the mean of these; the place itself would be
 /// chance, and another one in the next fan.
 #[derive(Default)]
@@ -21,6 +21,7 @@ pub(super) struct Walls {
 }
 
 impl<L: Lanes> March<'_, L> {
+    /// The walls that planes with these rays may see.
     pub(super) fn walls(&self, rays: &Rays) -> Walls {
         let mut walls = Walls::default();
         for k in 0..LANES {
@@ -34,7 +35,7 @@ impl<L: Lanes> March<'_, L> {
         walls
     }
 
-    /// The colour of the side that a plane sees, half-way to its neighbours.
+    /// The colour of the wall that a plane sees, half-way to its neighbours.
     fn wall_colour(&self, rays: &Rays, plane: usize) -> [u8; 4] {
         let around = [plane.saturating_sub(1), (plane + 1).min(LANES - 1)];
         let [before, behind] = around.map(|plane| rays.advance[plane]);
