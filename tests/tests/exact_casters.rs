@@ -189,6 +189,62 @@ fn straight_down_beside_the_ground_there_is_none() {
     }
 }
 
+/// A view of some place of the ground from so many `cells` away (their shorter sides), `height` over the
+/// horizon, in pixels of so many radians.
+fn from_afar(ground: &Ground, random: &mut Random, [cells, height, pixel]: [f64; 3]) -> View {
+    let grid = ground.grid();
+    let at = DVec2::new(random.unit(), random.unit()) * grid.extent();
+    let target = at.extend(ground.height_at(at.x, at.y).expect("a place on it"));
+    let heading = DVec2::from_angle(random.between(0.0, TAU));
+    let away = (height.cos() * heading).extend(height.sin());
+    let size = [320, 240];
+    let camera = Camera {
+        eye: target + cells * grid.cell_length() * away,
+        attitude: Attitude {
+            yaw: (-away.x).atan2(-away.y),
+            pitch: -height,
+            roll: random.between(0.0, TAU),
+        },
+        horizontal_fov: 2.0 * (0.5 * f64::from(size[0]) * pixel).atan(),
+    };
+    camera.view(size)
+}
+
+/// From farther away than the kernels' numbers tell hundredths of a cell they do where a pixel is many cells wide;
+/// and from farther still, or in narrower pixels, each pixel is cast alone.
+#[test]
+fn from_afar_it_sees_what_brute_force_sees() {
+    let caster = caster_by_name(CASTER).expect("a caster's name");
+    let pool = CastPool::new(0).expect("threads");
+    let mut random = Random::new(3);
+    let mut ground_seen = 0;
+    for seed in 0..views_asked_for() {
+        let scene = case(seed).scene;
+        let (cells, pixel) = if seed % 8 == 0 {
+            (random.octaves(2.4e5, 1e7), random.octaves(1e-7, 1e-5))
+        } else {
+            (random.octaves(1.3e5, 2.6e5), random.octaves(1.23e-4, 5e-4))
+        };
+        let height = random.between(-0.1, FRAC_PI_2);
+        let view = from_afar(&scene.ground, &mut random, [cells, height, pixel]);
+        let prepared = pool.run(|| caster.prepare(Arc::clone(&scene)));
+        let prepared = prepared.expect("any scene will do");
+        let mut images = [Image::default()];
+        pool.cast(&*prepared, &[view], &mut images)
+            .expect("any view will do");
+        let [image] = images;
+        let verdict = judge(&scene, &view, &image);
+        ground_seen += image.depth.iter().filter(|depth| !is_sky(**depth)).count();
+        assert_eq!(
+            verdict.wrong(),
+            0,
+            "seed {seed}, {cells:.0} cells away, {height:.2} up, pixels of {pixel:.1e}: {verdict}"
+        );
+    }
+    println!("{ground_seen} pixels of ground");
+    assert!(ground_seen > 10_000);
+}
+
 #[test]
 fn brute_force_agrees_with_itself() {
     let wrong = judge_random_views("brute", Kind::ALL.len() as u64);

@@ -65,7 +65,7 @@ impl UnitCaster for BruteScene {
 }
 
 /// Casts each pixel of a row alone.
-pub(crate) fn cast_row<T: Tally>(
+fn cast_row<T: Tally>(
     grid: &GridFrame<'_>,
     view: &View,
     row: u32,

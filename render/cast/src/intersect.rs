@@ -84,7 +84,7 @@ pub(crate) struct GridRay<'a> {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
     /// One over the direction's x and y.
-    inverse: [f64; 2],
+    pub(crate) inverse: [f64; 2],
     /// Where the ray is within the rectangle of posts and not above the highest one, for t ≥ 0.
     pub(crate) enter: f64,
     pub(crate) leave: f64,
@@ -124,7 +124,17 @@ impl GridRay<'_> {
     /// The first t in [`from`, `leave`] at which the ray is in the terrain, `from` itself where it
     /// starts inside.
     pub(crate) fn first_hit<T: Tally>(&self, from: f64, tally: &mut T) -> Option<f64> {
-        let mut walk = CellWalk::new(self, from);
+        self.first_hit_up_to(from, self.leave, tally)
+    }
+
+    /// The same in [`from`, `leave`], which is a part of the ray's way.
+    pub(crate) fn first_hit_up_to<T: Tally>(
+        &self,
+        from: f64,
+        leave: f64,
+        tally: &mut T,
+    ) -> Option<f64> {
+        let mut walk = CellWalk::new(self, from, leave);
         loop {
             tally.cell();
             if let Some(t) = self.hit_in_cell(&walk.segment) {
@@ -237,7 +247,7 @@ struct CellWalk {
 }
 
 impl CellWalk {
-    fn new(ray: &GridRay<'_>, from: f64) -> Self {
+    fn new(ray: &GridRay<'_>, from: f64, leave: f64) -> Self {
         let grid = ray.frame.ground.grid();
         let size = [grid.cols - 1, grid.rows - 1];
         let origin = [ray.origin.x, ray.origin.y];
@@ -254,7 +264,7 @@ impl CellWalk {
                 from,
                 to: from,
             },
-            leave: ray.leave,
+            leave,
             step: direction.map(|d| if d > 0.0 { 1 } else { -1 }),
             next: [f64::INFINITY; 2],
             size,

@@ -32,10 +32,11 @@ const fn ring(rays: u32, turn: f64, radius: f64) -> Ring {
     Ring { rays, turn, radius }
 }
 
-/// The search goes on to the next stage only while no ray agrees: 8 rays, 32 more, 128 more. A good
-/// caster's rays pass far nearer to the centre than the tolerance, so the later rings close in on
-/// it and show what is too thin for the outer ones.
-const STAGES: [&[Ring]; 3] = [
+/// The search goes on to the next stage only while no ray agrees: 8 rays, 32 more, 128 more, 512 more.
+/// A good caster's rays pass far nearer to the centre than the tolerance, so the third stage's rings close
+/// in on it and show what is too thin for the outer ones; the last one's lie all over the disc, where a photo
+/// has other colours every few hundredths of a cell.
+const STAGES: [&[Ring]; 4] = [
     &[ring(8, 0.0, 1.0)],
     &[ring(16, 0.5, 1.0), ring(16, 0.5, 0.125)],
     &[
@@ -43,6 +44,12 @@ const STAGES: [&[Ring]; 3] = [
         ring(32, 0.25, 0.25),
         ring(32, 0.75, 0.0625),
         ring(32, 0.75, 0.015_625),
+    ],
+    &[
+        ring(128, 0.125, 0.9),
+        ring(128, 0.625, 0.7),
+        ring(128, 0.375, 0.5),
+        ring(128, 0.875, 0.3),
     ],
 ];
 

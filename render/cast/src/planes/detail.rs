@@ -28,9 +28,9 @@ const FINER: f64 = 0.75;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DetailOptions {
     /// How many pixels a cell is wide at most, where there is a finer one.
-    cell: f64,
+    pub(super) cell: f64,
     /// The width of the filter of near ground's colours in pixels.
-    blur: f64,
+    pub(super) blur: f64,
 }
 
 impl DetailOptions {

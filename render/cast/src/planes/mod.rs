@@ -1,6 +1,8 @@
 //! The default caster: coherence along vertical planes, exact for any eye and window (papers' row
 //! G4).
 
+mod afar;
+mod alone;
 mod climb;
 mod coarser;
 mod depart;
@@ -32,7 +34,6 @@ use self::roofs::Roofs;
 use self::rows::{Scratch, cast_sector};
 use self::sectors::{Bounds, ImageRays, Sector};
 use self::steepness::{Steepness, SteepnessSeen};
-use crate::brute::cast_row;
 use crate::canvas::Canvas;
 use crate::intersect::GridFrame;
 use crate::lanes::{Isa, Kernel, Lanes};
@@ -41,7 +42,7 @@ use crate::tally::Tally;
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
 use glam::DVec3;
-use sandtable_terrain::{Ground, TileIndex};
+use sandtable_terrain::TileIndex;
 use sandtable_view::View;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -125,23 +126,6 @@ const MOST_SLANT: f64 = 2.5;
 /// For how many pixels a block of ground it is worth while to find how steep that is.
 const PIXELS_A_BLOCK: usize = 256;
 
-/// Cells from the eye to the farthest corner of the ground, beyond which the kernels' numbers have
-/// too few digits for a hundredth of a cell.
-const FARTHEST: f64 = 131_072.0;
-
-/// Whether the kernels are not made for an eye: it is in the ground, or too far from its farthest
-/// corner.
-fn is_special(ground: &Ground, eye: DVec3, per_metre: DVec3) -> bool {
-    let inside = ground
-        .height_at(eye.x, eye.y)
-        .is_some_and(|height| eye.z <= height);
-    let grid = ground.grid();
-    let along = |eye: f64, posts: u32| eye.abs().max((f64::from(posts - 1) - eye).abs());
-    let cells = eye * per_metre;
-    let farthest = along(cells.x, grid.cols).max(along(cells.y, grid.rows));
-    inside || farthest > FARTHEST
-}
-
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
@@ -221,6 +205,10 @@ impl UnitCaster for PlanesScene {
         };
         let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
         let pixels = view.size[0] as usize * view.size[1] as usize;
+        let inside = ground
+            .height_at(view.eye.x, view.eye.y)
+            .is_some_and(|height| view.eye.z <= height);
+        let alone = inside || rays.are_too_fine(ground, view.eye, coarsens);
         let is_worth_while =
             !coarsens && pixels >= PIXELS_A_BLOCK * self.steepness.blocks() && rays.are_slanted();
         let steepness =
@@ -238,7 +226,7 @@ impl UnitCaster for PlanesScene {
             highest: ground.range()[1],
             rounding,
             steepness,
-            alone: is_special(ground, view.eye, per_metre).then(|| GridFrame::new(ground)),
+            alone: alone.then(|| GridFrame::new(ground)),
             ground_rise: 0.5 * grid.cell_length() as f32,
         })
     }
@@ -252,7 +240,7 @@ impl UnitCaster for PlanesScene {
 
     fn cast_unit<T: Tally>(frame: &Frame<'_>, unit: usize, canvas: &Canvas<'_>, tally: &mut T) {
         if let Some(grid) = &frame.alone {
-            cast_row(grid, frame.view, unit as u32, canvas, tally);
+            alone::cast_row(frame, grid, unit as u32, canvas, tally);
             return;
         }
         SCRATCH.with_borrow_mut(|scratch| {

@@ -1,24 +1,28 @@
 //! How many posts pixels cover at most.
 
 use super::sectors::ImageRays;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
-/// At how many places along each side of the image it is looked at.
+/// At how many places along each side of the image, and of the part of it that has the ground's heights, it is
+/// looked at.
 const LOOKS: u32 = 17;
 
 impl ImageRays {
     /// How many cells a pixel covers at most, about, across its vertical plane, wherever ground of so
     /// many `cells` along x and y and between two `heights` may be seen in it by an `eye` (cells along x
-    /// and y, and metres): of pixels at even distances over the whole image. 0 where no ground can be
-    /// seen.
+    /// and y, and metres): of pixels at even distances over the image, and over where the ground's heights lie
+    /// in it. 0 where no ground can be seen.
     pub(super) fn widest(&self, eye: DVec3, cells: [i32; 2], heights: [f64; 2]) -> f64 {
-        let places = |side: u32| {
-            let last = f64::from(side - 1);
-            (0..LOOKS).map(move |k| (last * f64::from(k) / f64::from(LOOKS - 1)).round())
+        let places = |[first, last]: [f64; 2]| {
+            let by = (last - first) / f64::from(LOOKS - 1);
+            (0..LOOKS).map(move |k| first + by * f64::from(k))
         };
-        let [width, height] = self.size;
-        places(height)
-            .flat_map(|j| places(width).map(move |i| [i, j]))
+        // Ground that is small in the image lies between its places, and walls reach down beyond the ground's.
+        [self.whole(), self.around(eye, cells, heights)]
+            .into_iter()
+            .flat_map(|[columns, rows]| {
+                places(rows).flat_map(move |j| places(columns).map(move |i| [i, j]))
+            })
             .map(|[i, j]| {
                 let d = self.first + i * self.steps[0] + j * self.steps[1];
                 // Lanes run along the axis of the image along which planes follow more closely.
@@ -33,6 +37,35 @@ impl ImageRays {
                 by_length * farthest(eye, d, cells, heights)
             })
             .fold(0.0, f64::max)
+    }
+
+    /// The first and the last column, and row.
+    fn whole(&self) -> [[f64; 2]; 2] {
+        self.size.map(|side| [0.0, f64::from(side - 1)])
+    }
+
+    /// The first and the last column, and row, of the image that may have ground of so many `cells` between
+    /// two `heights`: all of them where that is not all before the `eye`.
+    fn around(&self, eye: DVec3, cells: [i32; 2], heights: [f64; 2]) -> [[f64; 2]; 2] {
+        let whole = self.whole();
+        let image = DMat3::from_cols(self.steps[0], self.steps[1], self.first).inverse();
+        let ends = cells.map(|cells| [0.0, f64::from(cells)]);
+        let mut around = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for k in 0..8 {
+            let corner = DVec3::new(ends[0][k & 1], ends[1][k >> 1 & 1], heights[k >> 2]);
+            let at = image * (corner - eye);
+            // A window that is seen edgewise has no inverse.
+            if !at.is_finite() || at.z <= 0.0 {
+                return whole;
+            }
+            for ([first, last], at) in around.iter_mut().zip([at.x / at.z, at.y / at.z]) {
+                (*first, *last) = (first.min(at), last.max(at));
+            }
+        }
+        std::array::from_fn(|axis| {
+            let [first, last] = whole[axis];
+            around[axis].map(|at| at.clamp(first, last))
+        })
     }
 }
 
@@ -106,6 +139,32 @@ mod tests {
             (widest - expected).abs() < 0.01 * expected,
             "{widest}, {expected}"
         );
+    }
+
+    /// From so far away that all ground lies in a few pixels somewhere in the image.
+    #[test]
+    fn ground_that_is_small_in_the_image_is_found() {
+        let ground = Ground::from_fn(101, 101, DVec2::splat(2.0), |col, row| {
+            (col % 9 + row) as f32
+        })
+        .expect("a sound grid");
+        for pixels in [0.3, 3.0, 30.0] {
+            let far = 200.0 / pixels * 500.0;
+            for aside in [-0.25, 0.0, 0.31] {
+                let height = 0.5_f64;
+                let eye = [100.0, 100.0 - far * height.cos(), far * height.sin()];
+                let fov = 2.0 * (0.5 * 400.0 / 500.0_f64).atan();
+                let view = camera(eye, [aside, aside - height, 0.2], [400, 300]);
+                let camera_scale = (0.5 * fov).tan() / 0.5_f64.tan();
+                // A pixel at the middle of the image is so many cells wide.
+                let middle = 100.0 / pixels / camera_scale;
+                let widest = widest(&view, &ground);
+                assert!(
+                    (0.5 * middle..2.0 * middle).contains(&widest),
+                    "{widest}, {middle}, {pixels} pixels, {aside}"
+                );
+            }
+        }
     }
 
     #[test]

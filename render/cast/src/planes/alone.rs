@@ -1,0 +1,215 @@
+//! Rays that are cast alone, in 64 bits, for eyes that the kernels are not made for: as brute force does it,
+//! but past blocks of ground over whose roofs they pass.
+
+use super::field::Tiles;
+use super::frame::Frame;
+use super::roofs::{FINEST, LEVEL_BEGIN, Roof, TOP, numbers};
+use crate::canvas::Canvas;
+use crate::intersect::{GridFrame, GridRay};
+use crate::shade::shade;
+use crate::tally::Tally;
+use sandtable_terrain::TILE_CELLS;
+
+/// Casts each pixel of a row alone.
+pub(super) fn cast_row<T: Tally>(
+    frame: &Frame<'_>,
+    grid: &GridFrame<'_>,
+    row: u32,
+    canvas: &Canvas<'_>,
+    tally: &mut T,
+) {
+    let blocks = Blocks {
+        roofs: &frame.levels[0].roofs,
+        cells: frame.levels[0].cells,
+        rounding: f64::from(frame.rounding),
+    };
+    let rays = frame.view.rays();
+    for i in 0..frame.view.size[0] {
+        tally.ray();
+        let ray = rays.ray(i, row);
+        let hit = grid
+            .clip(&ray)
+            .and_then(|clipped| blocks.first_hit(&clipped, tally));
+        shade(canvas, [i, row], grid.ground(), &ray, hit);
+    }
+}
+
+/// The ground's blocks.
+struct Blocks<'a> {
+    roofs: &'a Tiles<'a, Roof>,
+    cells: [i32; 2],
+    /// By how much a ray must be over a roof, in metres.
+    rounding: f64,
+}
+
+impl Blocks<'_> {
+    /// The first t at which a ray is in the terrain, as brute force finds it.
+    fn first_hit<T: Tally>(&self, ray: &GridRay<'_>, tally: &mut T) -> Option<f64> {
+        let direction = [ray.direction.x, ray.direction.y];
+        let origin = [ray.origin.x, ray.origin.y];
+        let mut t = ray.enter;
+        // Counted from block to block, as a place on a line may be rounded to either side of it.
+        let place = ray.place(t);
+        let mut cell: [i32; 2] =
+            std::array::from_fn(|axis| (place[axis] as i32).clamp(0, self.cells[axis] - 1));
+        let mut level = TOP;
+        loop {
+            let begin = cell.map(|cell| cell >> level << level);
+            let line =
+                |axis: usize| begin[axis] + if direction[axis] > 0.0 { 1 << level } else { 0 };
+            // As brute force does it, to the last bit.
+            let end = |axis: usize| match direction[axis] {
+                0.0 => f64::INFINITY,
+                _ => (f64::from(line(axis)) - origin[axis]) * ray.inverse[axis],
+            };
+            let ends = [end(0), end(1)];
+            let end = ends[0].min(ends[1]).min(ray.leave).max(t);
+            tally.cell();
+            if !self.passes_over(ray, level, begin, [t, end]) {
+                if level > FINEST {
+                    level -= 1;
+                    continue;
+                }
+                if let Some(hit) = ray.first_hit_up_to(t, end, tally) {
+                    return Some(hit);
+                }
+            }
+            let axis = usize::from(ends[1] < ends[0]);
+            if ends[axis] >= ray.leave {
+                return None;
+            }
+            t = end;
+            let next = if direction[axis] > 0.0 {
+                line(axis)
+            } else {
+                line(axis) - 1
+            };
+            if !(0..self.cells[axis]).contains(&next) {
+                return None;
+            }
+            cell[axis] = next;
+            let across = 1 - axis;
+            let most = (begin[across] + (1 << level)).min(self.cells[across]) - 1;
+            cell[across] = (ray.place(t)[across] as i32).clamp(begin[across], most);
+            level = (level + 1).min(TOP);
+        }
+    }
+
+    /// Whether a ray passes over all ground of the block of `level` that begins with a cell.
+    fn passes_over(&self, ray: &GridRay<'_>, level: u32, begin: [i32; 2], ends: [f64; 2]) -> bool {
+        let tile = begin.map(|cell| cell / TILE_CELLS as i32);
+        let within = begin.map(|cell| (cell % TILE_CELLS as i32) >> level);
+        let side = TILE_CELLS as i32 >> level;
+        let at = LEVEL_BEGIN[level as usize] + within[1] * side + within[0];
+        let place = self.roofs.tile(tile[0], tile[1]) + at as u32;
+        let Some(&roof) = self.roofs.items.from_place(place).first() else {
+            return false;
+        };
+        let [height, east, north] = numbers(roof).map(f64::from);
+        let half = 0.5 * f64::from(1 << level);
+        ends.into_iter().all(|t| {
+            let [x, y] = ray.place(t);
+            let [x, y] = [
+                x - f64::from(begin[0]) - half,
+                y - f64::from(begin[1]) - half,
+            ];
+            let above = ray.origin.z + t * ray.direction.z - self.rounding;
+            above > height + east * x + north * y
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brute::Brute;
+    use crate::lanes::Isa;
+    use crate::planes::PlanesScene;
+    use crate::tally::Uncounted;
+    use crate::units::UnitCaster;
+    use crate::{Caster, Image, Scene, Scheme};
+    use glam::{DVec2, DVec3};
+    use sandtable_terrain::Ground;
+    use sandtable_view::{Attitude, Camera, View};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    /// Hills of all sizes, with walls and spikes, of cells that are not square, over several tiles of which the
+    /// last ones are not whole.
+    fn ground() -> Ground {
+        let height = |col: u32, row: u32| {
+            let [x, y] = [col, row].map(f64::from);
+            let hills = 60.0 * (0.011 * x).sin() * (0.017 * y).cos() + 9.0 * (0.13 * (x + y)).sin();
+            let wall = if col % 97 == 50 { 25.0 } else { 0.0 };
+            let spike = if (col * 31 + row * 17) % 997 == 0 {
+                40.0
+            } else {
+                0.0
+            };
+            (hills + wall + spike) as f32
+        };
+        Ground::from_fn(601, 530, DVec2::new(5.0, 4.0), height).expect("a sound grid")
+    }
+
+    fn view(eye: [f64; 3], [yaw, pitch, roll]: [f64; 3], horizontal_fov: f64) -> View {
+        let attitude = Attitude { yaw, pitch, roll };
+        Camera {
+            eye: DVec3::from_array(eye),
+            attitude,
+            horizontal_fov,
+        }
+        .view([161, 121])
+    }
+
+    #[test]
+    fn it_is_what_brute_force_sees() {
+        let scene = Scene::new(ground());
+        let (middle_x, middle_y) = (1500.0, 1058.0);
+        let far = 3e6 / 2.0_f64.sqrt();
+        let views = [
+            // Over the ground, level, rolled, down, and along grid lines.
+            view([700.0, 300.0, 90.0], [0.7, -0.1, 0.0], 1.2),
+            view([2000.0, 1500.0, 120.0], [3.6, -0.4, 0.9], 1.2),
+            view([1200.0, 900.0, 400.0], [0.3, -FRAC_PI_2, 0.2], 1.6),
+            view([1000.0, 40.0, 80.0], [0.0, -0.1, 0.0], 0.9),
+            view([2995.0, 1600.0, 100.0], [-FRAC_PI_2, -0.2, 0.0], 0.9),
+            // Beside it, lower than its border, and in it.
+            view([-400.0, -300.0, 200.0], [FRAC_PI_4, -0.2, 0.1], 0.9),
+            view([1500.0, -30.0, -90.0], [0.1, 0.3, 0.0], 1.4),
+            view([1500.0, 1000.0, -300.0], [1.0, 0.5, 0.0], 1.0),
+            // From afar.
+            view(
+                [middle_x, middle_y - far, far],
+                [0.0, -FRAC_PI_4, 0.4],
+                1e-3,
+            ),
+            view(
+                [middle_x - 3e6, middle_y, 3e5],
+                [FRAC_PI_2, -0.0997, 0.0],
+                4e-4,
+            ),
+            view([middle_x, middle_y, 2e6], [0.0, -FRAC_PI_2, 0.0], 1.4e-3),
+        ];
+        let prepared = PlanesScene::new(Isa::best(), None, scene.clone());
+        let brute = Brute.prepare(scene.clone()).expect("any scene will do");
+        for view in views {
+            let mut expected = [Image::default()];
+            brute
+                .cast(&[view], &mut expected, Scheme::default())
+                .expect("accepted");
+            let [expected] = expected;
+            let mut image = Image::default();
+            image.reset(view);
+            let frame = prepared.frame(&view).expect("a proper view");
+            let grid = GridFrame::new(&scene.ground);
+            let canvas = Canvas::new(&mut image);
+            for row in 0..view.size[1] {
+                cast_row(&frame, &grid, row, &canvas, &mut Uncounted);
+            }
+            drop(canvas);
+            let ground = image.depth.iter().filter(|depth| depth.is_finite()).count();
+            assert!(ground > 2000, "{ground} of {view:?}");
+            assert_eq!(image.depth, expected.depth, "{view:?}");
+            assert_eq!(image.colour(), expected.colour(), "{view:?}");
+        }
+    }
+}
