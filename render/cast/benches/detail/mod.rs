@@ -1,5 +1,6 @@
 //! Figures of level of detail.
 
+mod afar;
 mod curve;
 mod flight;
 mod footprint;
@@ -33,16 +34,19 @@ pub(crate) enum Figure {
     Curve,
     /// How calm images are from frame to frame
     Flight,
+    /// What a table takes on which the terrain is small
+    Afar,
 }
 
 impl Figure {
     /// All of them.
-    pub(crate) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 6] = [
         Self::Quality,
         Self::Time,
         Self::Sizes,
         Self::Curve,
         Self::Flight,
+        Self::Afar,
     ];
 }
 
@@ -103,6 +107,7 @@ impl Bench {
                         .extend(curve::print(&scene, [&point, &detail], pool, self.rounds)?);
                 }
                 Figure::Flight => flight::print(&scene, [&point, &detail], pool, self.frames)?,
+                Figure::Afar => afar::print(&scene, [&point, &detail], pool, self.rounds)?,
             }
         }
         if scene.name == SIZES[0] {

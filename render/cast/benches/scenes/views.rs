@@ -100,11 +100,16 @@ fn horizon(ground: &Ground, roll: f64) -> View {
 /// a metre before the glass's front, so that no eye sees a wall there: Embree has none. `eye` is
 /// −½ for the left one and ½ for the right one.
 fn at_table(ground: &Ground, eye: f64) -> View {
+    zoomed_out(ground, eye, 1.0)
+}
+
+/// The same eye where the terrain is so many `times` smaller on the glass, around its middle.
+pub(crate) fn zoomed_out(ground: &Ground, eye: f64, times: f64) -> View {
     let middle = 0.5 * DVec2::new(ground.grid().extent().x, side(ground));
     let placement = Placement {
         anchor: middle.extend(ground.range()[0].into()),
         yaw: 0.0,
-        scale: side(ground) / SIDE_ON_GLASS,
+        scale: times * side(ground) / SIDE_ON_GLASS,
         exaggeration: 1.0,
     };
     let eye = DVec3::new(
