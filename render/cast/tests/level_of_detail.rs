@@ -557,6 +557,91 @@ fn white_ground_has_no_specks() {
     }
 }
 
+/// Where two walls meet before the sky a pixel is as much ground as it covers of it, wherever the edge lies in it: it
+/// does not hop from pixel to pixel as the eye moves.
+#[test]
+fn edges_of_walls_move_by_less_than_pixels() {
+    let white = |_: u32, _: u32| [255; 4];
+    let photo = Photo {
+        pixels: TiledRaster::from_fn(301, 301, white),
+        origin: DVec2::ZERO,
+        spacing: DVec2::ONE,
+    };
+    let ground = Ground::from_fn(301, 301, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let scene = Scene::new(ground.with_photo(photo));
+    for (turn, roll) in [(0.4, 0.0), (1.2, 0.0), (2.3, 1.1), (4.0, 0.5), (5.1, -1.0)] {
+        let (mut worst, mut sum) = (0.0_f64, 0.0);
+        for k in 0..8 {
+            // An eighth of a pixel aside each.
+            let away = (0.8 * DVec2::from_angle(turn)).extend(0.6);
+            let aside = DVec2::from_angle(turn).perp() * 0.6 * f64::from(k);
+            let view = Camera {
+                eye: DVec3::new(150.0, 150.0, 0.0) + 1500.0 * away + aside.extend(0.0),
+                attitude: Attitude {
+                    yaw: (-away.x).atan2(-away.y),
+                    pitch: -0.6_f64.asin(),
+                    roll,
+                },
+                horizontal_fov: 0.4,
+            }
+            .view([128, 96]);
+            let truth = truth(&scene, &view);
+            let images = cast("planes?lod=on", &scene, &[view]);
+            let errors = images[0].colour().iter().zip(&truth);
+            let error = errors
+                .map(|(a, b)| f64::from(a[1].abs_diff(b[1])).powi(2))
+                .sum::<f64>();
+            worst = worst.max(error);
+            sum += error;
+        }
+        let mean = sum / 8.0;
+        println!("{turn}, {roll}: {worst:.0} at worst, {mean:.0} in the mean");
+        // As pixels hopped, it was up to 1,200,000 where edges lay half-way between pixels.
+        assert!(worst < 450_000.0 && worst < 1.2 * mean);
+    }
+}
+
+/// A terrain aside and far below is a needle in the image that begins straight below the eye, thinner there than a
+/// pixel: all of it is seen, wherever pixels lie in it.
+#[test]
+fn needles_of_ground_are_not_lost() {
+    let ground = Ground::from_fn(301, 301, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+    let scene = Scene::new(ground);
+    let views: Vec<_> = (0..60)
+        .map(|k| {
+            let turn = 0.105 * f64::from(k);
+            let share = 0.618 * f64::from(k) % 1.0;
+            let distance = 301.0 * (6.0 + 14.0 * share);
+            let away = DVec2::from_angle(turn).extend(0.9);
+            // The point straight below lies in the image, the ground on its other side.
+            let attitude = Attitude {
+                yaw: (-away.x).atan2(-away.y),
+                pitch: -1.05,
+                roll: 0.3 * f64::from(k),
+            };
+            Camera {
+                eye: DVec3::new(150.0, 150.0, 0.0) + distance * away,
+                attitude,
+                horizontal_fov: 2.0,
+            }
+            .view([400, 300])
+        })
+        .collect();
+    let [exact, detail] = ["planes", Planes::WITH_DETAIL].map(|caster| {
+        let images = cast(caster, &scene, &views);
+        let ground = |image: &Image| image.depth.iter().filter(|depth| depth.is_finite()).count();
+        images.iter().map(ground).collect::<Vec<_>>()
+    });
+    for (k, (exact, detail)) in exact.into_iter().zip(detail).enumerate() {
+        assert!(exact > 200, "{exact} in view {k}");
+        let ratio = detail as f64 / exact as f64;
+        assert!(
+            (0.9..1.1).contains(&ratio),
+            "{detail} of {exact} in view {k}"
+        );
+    }
+}
+
 /// From ten times as far as numbers tell cells apart, in pixels of the same ground: no farther from the truth
 /// than from where they do, by far nearer than points are, and calm when the eye moves.
 #[test]

@@ -140,7 +140,7 @@ mod tests {
             let [x, y] = [col, row].map(f64::from);
             let hills = 60.0 * (0.011 * x).sin() * (0.017 * y).cos() + 9.0 * (0.13 * (x + y)).sin();
             let wall = if col % 97 == 50 { 25.0 } else { 0.0 };
-            let spike = if (col * 31 + row * 17) % 997 == 0 {
+            let spike = if (col * 31 + row * 17).is_multiple_of(997) {
                 40.0
             } else {
                 0.0
@@ -205,7 +205,6 @@ mod tests {
             for row in 0..view.size[1] {
                 cast_row(&frame, &grid, row, &canvas, &mut Uncounted);
             }
-            drop(canvas);
             let ground = image.depth.iter().filter(|depth| depth.is_finite()).count();
             assert!(ground > 2000, "{ground} of {view:?}");
             assert_eq!(image.depth, expected.depth, "{view:?}");

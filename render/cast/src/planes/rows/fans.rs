@@ -2,6 +2,7 @@
 //! pixel apart, and pixels lie between these.
 
 mod between;
+mod corners;
 mod fan;
 mod march;
 mod paint;

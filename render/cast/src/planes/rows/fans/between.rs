@@ -3,6 +3,7 @@
 use super::super::March;
 use super::super::directions::Aim;
 use super::super::scratch::{MARGIN, Scratch};
+use super::corners::Corner;
 use super::fan::Fan;
 use super::march::PLANES;
 use super::sight::SAME;
@@ -37,22 +38,40 @@ impl<L: Lanes> March<'_, L> {
         let aside = l.mul(numbers, l.splat(fan.planes_to_lane(step) as f32));
         let pixel = self.pixel_width(step, 0.5 * f64::from(lanes[0] + lanes[1]));
         let same = l.splat(1.0 + SAME * pixel as f32);
-        // The next fan goes on from where this one's last rays came.
+        // The next fan goes on from where this one's last rays came: those beside a corner, too, as ground may be
+        // narrower than a pixel here.
         let is_last = step + 1 == fan.to;
         let zero = l.splat(0.0);
+        let corners = self.corners(fan, step);
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             asked.prefetch(l, canvas, first);
             let direction = aim.directions(l, self.directions.at(step, first));
             let length = shader.metres_of(l, direction);
             let plane = fan.plane(step, f64::from(first));
-            let base = plane as usize;
+            let last = plane + LANES as f64 * fan.planes_to_lane(step);
+            let corners = corners.map(|corner| corner.filter(|at| at.is_between(plane, last)));
+            let asked = corners.iter().flatten();
+            let base = asked.fold(plane, |first, corner| corner.first_asked(first)) as usize;
             let groups = base / PLANES..=(base + 2 * LANES - 1) / PLANES;
             let skies = groups.map(|group| scratch.skies.get(group));
+            let mut is_inside = l.mask(u16::MAX);
             let (mut ground, inverse) = if skies.flatten().all(|&from| from <= step) {
                 ([l.splat_i(0); 2], zero)
             } else {
                 let plane = l.add(l.splat((plane - base as f64) as f32), aside);
-                mixed(l, &seen[2 * base..], plane, same)
+                if corners.iter().any(Option::is_some) {
+                    // Apart, and made for the instruction set: it is seldom asked for. It gets copies, as what it
+                    // might reach would have to lie in memory, all of the time.
+                    let seen = &seen[2 * base..];
+                    let cut = l.vectorize(
+                        #[inline(always)]
+                        move || cut(l, seen, base, plane, same, corners),
+                    );
+                    is_inside = cut.1;
+                    cut.0
+                } else {
+                    mixed(l, &seen[2 * base..], plane, same)
+                }
             };
             let hit = l.lt(zero, inverse);
             if is_last {
@@ -60,6 +79,7 @@ impl<L: Lanes> March<'_, L> {
                 let t = l.select(hit, l.div(direction[0], inverse), l.splat(-1.0));
                 l.store(t, group_mut(&mut scratch.reached, at));
             }
+            let hit = l.and(hit, is_inside);
             let depth = l.select(hit, l.div(length, inverse), l.splat(f32::INFINITY));
             // In the upper half of the second one.
             let alpha = l.shr_i(ground[1], l.splat_i(16));
@@ -84,11 +104,40 @@ impl<L: Lanes> March<'_, L> {
     }
 }
 
+/// What lies between planes, as `mixed` has it.
+type Mixed<L> = ([<L as Lanes>::I; 2], <L as Lanes>::F);
+
+/// As `mixed`, where the ground ends at `corners`, and which pixels have ground in their middle; places are counted
+/// from plane `base` on.
+#[inline(always)]
+fn cut<L: Lanes>(
+    l: L,
+    seen: &[i32],
+    base: usize,
+    plane: L::F,
+    same: L::F,
+    corners: [Option<Corner>; 2],
+) -> (Mixed<L>, L::M) {
+    let (mut at, mut covered) = (plane, l.splat(1.0));
+    let mut is_inside = l.mask(u16::MAX);
+    for corner in corners.into_iter().flatten() {
+        at = corner.asked(l, base, at);
+        let (part, inside) = corner.covered(l, base, plane);
+        covered = l.min(covered, part);
+        is_inside = l.and(is_inside, inside);
+    }
+    let (light, inverse) = mixed(l, seen, at, same);
+    let covered = parts(l, covered);
+    let none = l.splat_i(0);
+    let light = light.map(|light| l.lerp_halves(none, light, covered));
+    ((light, inverse), is_inside)
+}
+
 /// What lies between planes at the places `plane` among those of which `seen` is what they see in a
 /// step: the light of the ground, as halves, and one over how far it is away, in lengths of the
 /// direction. Ground that lies no more than `same` times as far away as other is taken for the same.
 #[inline(always)]
-fn mixed<L: Lanes>(l: L, seen: &[i32], plane: L::F, same: L::F) -> ([L::I; 2], L::F) {
+fn mixed<L: Lanes>(l: L, seen: &[i32], plane: L::F, same: L::F) -> Mixed<L> {
     let load = |number: usize| l.load_i(group(seen, number * LANES));
     let (low, high) = ([load(0), load(1)], [load(2), load(3)]);
     let evens = l.load_i(&std::array::from_fn(|k| 2 * k as i32));

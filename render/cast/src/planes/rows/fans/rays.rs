@@ -128,7 +128,8 @@ impl<L: Lanes> March<'_, L> {
 
     /// How far the rays around a plane of a fan reach in the step before, at least: all that are higher see
     /// nothing nearer. Less than 0 where they meet nothing. `None` where there are no such rays, and where
-    /// they lie so far apart, beside the vanishing point, that all of the ground may lie between them.
+    /// they lie so far apart, beside the vanishing point, or the ground is so narrow, that all of it may lie between
+    /// them.
     ///
     /// Two on either side are asked, where there are, as rays may be those of the last fan's planes: a pixel's is
     /// that of the plane which is nearer to it, so that at an edge two alone might all be of its one side.
@@ -136,7 +137,7 @@ impl<L: Lanes> March<'_, L> {
         /// Planes from a ray to the next.
         const MOST: f64 = 2.0;
         let step = fan.from - 1;
-        if fan.planes_to_lane(step) > MOST {
+        if fan.planes_to_lane(step) > MOST || self.is_needle(step) {
             return None;
         }
         let [from, to] = scratch.lanes[step as usize % MEMORY];
