@@ -27,6 +27,30 @@ impl<L: Lanes> March<'_, L> {
         scratch: &mut Scratch,
         tally: &mut T,
     ) {
+        let corners = self.corners(fan, step);
+        self.pixels::<T, false>(fan, step, &corners, shader, canvas, scratch, tally);
+        if corners.iter().any(Option::is_some) {
+            // Apart, as it is seldom asked for.
+            self.l.vectorize(
+                #[inline(always)]
+                || self.pixels::<T, true>(fan, step, &corners, shader, canvas, scratch, tally),
+            );
+        }
+    }
+
+    /// The pixels of the groups in which the ground ends at one of the `corners` if `CUT`, else the others.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "what `between` has")]
+    fn pixels<T: Tally, const CUT: bool>(
+        &self,
+        fan: &Fan,
+        step: u32,
+        corners: &[Option<Corner>; 2],
+        shader: &Shader<'_>,
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+        tally: &mut T,
+    ) {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
@@ -38,39 +62,36 @@ impl<L: Lanes> March<'_, L> {
         let aside = l.mul(numbers, l.splat(fan.planes_to_lane(step) as f32));
         let pixel = self.pixel_width(step, 0.5 * f64::from(lanes[0] + lanes[1]));
         let same = l.splat(1.0 + SAME * pixel as f32);
-        // The next fan goes on from where this one's last rays came: those beside a corner, too, as ground may be
-        // narrower than a pixel here.
+        // The next fan goes on from where this one's last rays came.
         let is_last = step + 1 == fan.to;
         let zero = l.splat(0.0);
-        let corners = self.corners(fan, step);
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
+            let corners =
+                corners.map(|corner| corner.filter(|corner| corner.is_among(first, LANES as i32)));
+            if corners.iter().any(Option::is_some) != CUT {
+                continue;
+            }
             asked.prefetch(l, canvas, first);
             let direction = aim.directions(l, self.directions.at(step, first));
             let length = shader.metres_of(l, direction);
             let plane = fan.plane(step, f64::from(first));
-            let last = plane + LANES as f64 * fan.planes_to_lane(step);
-            let corners = corners.map(|corner| corner.filter(|at| at.is_between(plane, last)));
-            let asked = corners.iter().flatten();
-            let base = asked.fold(plane, |first, corner| corner.first_asked(first)) as usize;
+            let base = if CUT {
+                let asked = corners.iter().flatten();
+                asked.fold(plane, |first, corner| corner.first_asked(first)) as usize
+            } else {
+                plane as usize
+            };
             let groups = base / PLANES..=(base + 2 * LANES - 1) / PLANES;
             let skies = groups.map(|group| scratch.skies.get(group));
-            let mut is_inside = l.mask(u16::MAX);
             let (mut ground, inverse) = if skies.flatten().all(|&from| from <= step) {
                 ([l.splat_i(0); 2], zero)
             } else {
                 let plane = l.add(l.splat((plane - base as f64) as f32), aside);
-                if corners.iter().any(Option::is_some) {
-                    // Apart, and made for the instruction set: it is seldom asked for. It gets copies, as what it
-                    // might reach would have to lie in memory, all of the time.
-                    let seen = &seen[2 * base..];
-                    let cut = l.vectorize(
-                        #[inline(always)]
-                        move || cut(l, seen, base, plane, same, corners),
-                    );
-                    is_inside = cut.1;
-                    cut.0
+                let seen = &seen[2 * base..];
+                if CUT {
+                    cut(l, seen, base, plane, same, &corners)
                 } else {
-                    mixed(l, &seen[2 * base..], plane, same)
+                    mixed(l, seen, plane, same)
                 }
             };
             let hit = l.lt(zero, inverse);
@@ -79,8 +100,13 @@ impl<L: Lanes> March<'_, L> {
                 let t = l.select(hit, l.div(direction[0], inverse), l.splat(-1.0));
                 l.store(t, group_mut(&mut scratch.reached, at));
             }
-            let hit = l.and(hit, is_inside);
-            let depth = l.select(hit, l.div(length, inverse), l.splat(f32::INFINITY));
+            let mut depth = l.select(hit, l.div(length, inverse), l.splat(f32::INFINITY));
+            if CUT {
+                // Not before: ground may be narrower than a pixel here, and wider in the next fan.
+                let plane = l.add(l.splat((plane - base as f64) as f32), aside);
+                let inside = all_inside(l, base, plane, &corners);
+                depth = l.select(inside, depth, l.splat(f32::INFINITY));
+            }
             // In the upper half of the second one.
             let alpha = l.shr_i(ground[1], l.splat_i(16));
             if l.bits(l.gt_i(l.splat_i(255), alpha)) != 0 {
@@ -107,8 +133,8 @@ impl<L: Lanes> March<'_, L> {
 /// What lies between planes, as `mixed` has it.
 type Mixed<L> = ([<L as Lanes>::I; 2], <L as Lanes>::F);
 
-/// As `mixed`, where the ground ends at `corners`, and which pixels have ground in their middle; places are counted
-/// from plane `base` on.
+/// As `mixed`, where the ground ends at `corners`; places are counted from plane `base` on. Pixels beside the ground
+/// reach as far as what is next to them.
 #[inline(always)]
 fn cut<L: Lanes>(
     l: L,
@@ -116,21 +142,29 @@ fn cut<L: Lanes>(
     base: usize,
     plane: L::F,
     same: L::F,
-    corners: [Option<Corner>; 2],
-) -> (Mixed<L>, L::M) {
+    corners: &[Option<Corner>; 2],
+) -> Mixed<L> {
     let (mut at, mut covered) = (plane, l.splat(1.0));
-    let mut is_inside = l.mask(u16::MAX);
-    for corner in corners.into_iter().flatten() {
+    for corner in corners.iter().flatten() {
         at = corner.asked(l, base, at);
-        let (part, inside) = corner.covered(l, base, plane);
-        covered = l.min(covered, part);
-        is_inside = l.and(is_inside, inside);
+        covered = l.min(covered, corner.covered(l, base, plane));
     }
     let (light, inverse) = mixed(l, seen, at, same);
     let covered = parts(l, covered);
     let none = l.splat_i(0);
     let light = light.map(|light| l.lerp_halves(none, light, covered));
-    ((light, inverse), is_inside)
+    (light, inverse)
+}
+
+/// Which pixels have ground in their middle.
+#[inline(always)]
+fn all_inside<L: Lanes>(l: L, base: usize, plane: L::F, corners: &[Option<Corner>; 2]) -> L::M {
+    let half = l.splat(0.5);
+    let mut inside = l.mask(u16::MAX);
+    for corner in corners.iter().flatten() {
+        inside = l.and(inside, l.le(half, corner.covered(l, base, plane)));
+    }
+    inside
 }
 
 /// What lies between planes at the places `plane` among those of which `seen` is what they see in a

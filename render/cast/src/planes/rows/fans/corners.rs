@@ -4,6 +4,9 @@ use super::super::March;
 use super::fan::Fan;
 use crate::lanes::Lanes;
 
+/// How many lanes around a corner pixels are looked at: more than half a pixel, and than from plane to plane.
+const AROUND: f64 = 2.0;
+
 /// An edge of the ground's walls beyond which there is none, as an eye beside the ground sees it.
 ///
 /// It lies in one vertical plane, so those of a fan see all of it or nothing; how much of a pixel is ground follows
@@ -16,6 +19,9 @@ pub(super) struct Corner {
     is_last: bool,
     /// Lanes from plane to plane.
     apart: f64,
+    /// The lanes of which a part may be beside the ground, or take what is seen elsewhere, from the first to the one
+    /// behind the last.
+    lanes: [i32; 2],
 }
 
 impl<L: Lanes> March<'_, L> {
@@ -26,6 +32,10 @@ impl<L: Lanes> March<'_, L> {
                 plane: fan.plane(step, lane),
                 is_last,
                 apart: 1.0 / fan.planes_to_lane(step),
+                lanes: [
+                    (lane - AROUND).floor() as i32,
+                    (lane + AROUND).ceil() as i32,
+                ],
             })
         })
     }
@@ -49,8 +59,9 @@ impl<L: Lanes> March<'_, L> {
         // Whether lanes further on run more along the minor axis.
         let turns = v.y * d.x - v.x * d.y > 0.0;
         let lane = |major: f64, minor: f64| {
-            Some((d.x * minor - d.y * major) / (v.y * major - v.x * minor))
-                .filter(|lane| lane.is_finite())
+            let lane = (d.x * minor - d.y * major) / (v.y * major - v.x * minor);
+            let is_ahead = (d.x + lane * v.x) * major + (d.y + lane * v.y) * minor > 0.0;
+            (major > 0.0 && minor > 0.0 && is_ahead).then_some(lane)
         };
         let right = (minor_begin > 0.0).then(|| lane(major_end, minor_begin));
         let left = (major_begin > 0.0).then(|| lane(major_begin, minor_end));
@@ -59,6 +70,12 @@ impl<L: Lanes> March<'_, L> {
 }
 
 impl Corner {
+    /// Whether it is to be regarded in some of so many lanes from the first on.
+    pub(super) fn is_among(self, first: i32, count: i32) -> bool {
+        let [from, to] = self.lanes;
+        from < first + count && first < to
+    }
+
     /// The outermost plane that sees ground.
     fn outermost(self) -> f64 {
         /// Of a plane that is as near to the edge there is no telling whether it does.
@@ -68,12 +85,6 @@ impl Corner {
         } else {
             (self.plane + NEAR).ceil()
         }
-    }
-
-    /// Whether a pixel on one of the planes from the first to the last may lie on it.
-    pub(super) fn is_between(self, first: f64, last: f64) -> bool {
-        const AROUND: f64 = 1.0;
-        (first - AROUND..last + AROUND).contains(&self.plane)
     }
 
     /// The first of `plane` and of the planes that are to be asked there.
@@ -92,16 +103,15 @@ impl Corner {
         }
     }
 
-    /// How much is ground of pixels at `plane`, counted likewise, and which have ground in their middle.
+    /// How much is ground of pixels at `plane`, counted likewise: below 0 where none is, over 1 where all is.
     #[inline(always)]
-    pub(super) fn covered<L: Lanes>(self, l: L, base: usize, plane: L::F) -> (L::F, L::M) {
+    pub(super) fn covered<L: Lanes>(self, l: L, base: usize, plane: L::F) -> L::F {
         let edge = l.splat((self.plane - base as f64) as f32);
         let inside = if self.is_last {
             l.sub(edge, plane)
         } else {
             l.sub(plane, edge)
         };
-        let covered = l.add(l.mul(inside, l.splat(self.apart as f32)), l.splat(0.5));
-        (covered, l.le(l.splat(0.0), inside))
+        l.add(l.mul(inside, l.splat(self.apart as f32)), l.splat(0.5))
     }
 }

@@ -54,6 +54,7 @@ impl<L: Lanes> March<'_, L> {
         let steep = self.steep();
         let [[major_begin, major_end], [minor_begin, minor_end]] = self.bounds;
         let top = self.fields[0].highest - self.fields[0].eye_height;
+        let is_needle = fan.from > 0 && self.is_needle(fan.from - 1);
         let mut rays = Rays {
             up: [[0.0; LANES]; 2],
             major: [[0.0; LANES]; 2],
@@ -110,7 +111,8 @@ impl<L: Lanes> March<'_, L> {
                 }
                 start = start.max(top / horizon as f32);
             }
-            if begin == fan.from && begin > 0 {
+            // Rays may pass a needle on both sides.
+            if begin == fan.from && begin > 0 && !is_needle {
                 match self.seen_before(fan, plane, scratch) {
                     Some(t) if t < 0.0 => continue,
                     Some(t) => start = start.max(t),
@@ -128,8 +130,7 @@ impl<L: Lanes> March<'_, L> {
 
     /// How far the rays around a plane of a fan reach in the step before, at least: all that are higher see
     /// nothing nearer. Less than 0 where they meet nothing. `None` where there are no such rays, and where
-    /// they lie so far apart, beside the vanishing point, or the ground is so narrow, that all of it may lie between
-    /// them.
+    /// they lie so far apart, beside the vanishing point, that all of the ground may lie between them.
     ///
     /// Two on either side are asked, where there are, as rays may be those of the last fan's planes: a pixel's is
     /// that of the plane which is nearer to it, so that at an edge two alone might all be of its one side.
@@ -137,7 +138,7 @@ impl<L: Lanes> March<'_, L> {
         /// Planes from a ray to the next.
         const MOST: f64 = 2.0;
         let step = fan.from - 1;
-        if fan.planes_to_lane(step) > MOST || self.is_needle(step) {
+        if fan.planes_to_lane(step) > MOST {
             return None;
         }
         let [from, to] = scratch.lanes[step as usize % MEMORY];
