@@ -27,7 +27,9 @@ impl<L: Lanes> March<'_, L> {
         scratch: &mut Scratch,
         tally: &mut T,
     ) {
-        let corners = self.corners(fan, step);
+        let [from, to] = fan.lanes(step);
+        let is_seen = |corner: &Corner| corner.is_among(from, to - from);
+        let corners = self.corners(fan, step).map(|corner| corner.filter(is_seen));
         self.pixels::<T, false>(fan, step, &corners, shader, canvas, scratch, tally);
         if corners.iter().any(Option::is_some) {
             // Apart, as it is seldom asked for.
