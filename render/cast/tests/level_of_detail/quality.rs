@@ -1,0 +1,77 @@
+//! Images are nearer to the truth than points where pixels cover much, and nowhere farther.
+
+use crate::ground::{mountains, photo};
+use crate::truth::compared;
+use crate::views::{camera, cast};
+use glam::DVec3;
+use sandtable_cast::{Planes, Scene, standpoints};
+
+#[test]
+fn pixels_that_cover_much_are_nearer_to_the_truth() {
+    for (name, ground) in [
+        ("photo", mountains().with_photo(photo())),
+        ("tints", mountains()),
+    ] {
+        let scene = Scene::new(ground);
+        let views = [
+            camera(DVec3::new(60.0, 20.0, 150.0), -0.4, [160, 120]),
+            camera(DVec3::new(300.0, 250.0, 600.0), -1.5, [160, 120]),
+            standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [200, 120]),
+        ];
+        for (k, view) in views.into_iter().enumerate() {
+            let [points, detail] = compared(&scene, view);
+            println!("{name}, view {k}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points + 1.0, "{name}, view {k}");
+        }
+    }
+}
+
+#[test]
+fn pixels_that_cover_little_are_no_worse() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let over = |x: f64, y: f64, height: f64| {
+        let ground = scene.ground.height_at(x, y).expect("on the ground");
+        DVec3::new(x, y, ground + height)
+    };
+    for (k, view) in [
+        camera(over(200.0, 200.0, 12.0), -1.4, [200, 150]),
+        camera(over(320.0, 210.0, 3.0), -0.6, [400, 300]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let [points, detail] = compared(&scene, view);
+        println!("view {k}: {points:.2} dB, with detail {detail:.2}");
+        // Weights of colours are rounded otherwise: that is all that may differ.
+        assert!(detail > points - 0.02, "view {k}");
+    }
+}
+
+/// Where all pixels are narrower than posts, rays go as they do without detail.
+#[test]
+fn narrow_pixels_see_the_ground_exactly() {
+    let scene = Scene::new(mountains().with_photo(photo()));
+    let over = |x: f64, y: f64, height: f64| {
+        let ground = scene.ground.height_at(x, y).expect("on the ground");
+        DVec3::new(x, y, ground + height)
+    };
+    let close = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [1600, 1000]);
+    for (view, all_magnified) in [
+        (camera(over(320.0, 210.0, 30.0), -1.4, [320, 240]), true),
+        (camera(over(200.0, 300.0, 9.0), -0.9, [400, 300]), true),
+        (close, false),
+    ] {
+        let [exact, detail] =
+            ["planes", Planes::WITH_DETAIL].map(|caster| cast(caster, &scene, &[view]).remove(0));
+        // Rays wait for their colours a step longer, and go on from other places: that is rounded otherwise.
+        let mut depths = exact.depth.iter().zip(&detail.depth);
+        let is_near = |(a, b): (&f32, &f32)| a == b || (a - b).abs() < 1e-5 * a.min(*b);
+        assert!(depths.all(is_near));
+        // Where footprints are no larger than a pixel of the photo colours are the same but for rounding.
+        let pairs = exact.colour().iter().zip(detail.colour());
+        let near = pairs.filter(|(a, b)| (0..3).all(|k| a[k].abs_diff(b[k]) <= 1));
+        let (near, all) = (near.count(), exact.colour().len());
+        println!("{near} of {all} colours are the same");
+        assert!(2 * near > all && (near == all) == all_magnified);
+    }
+}
