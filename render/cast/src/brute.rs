@@ -1,7 +1,7 @@
 //! Brute force: the judge of all other casters.
 
 use crate::canvas::Canvas;
-use crate::intersect::GridFrame;
+use crate::intersect::{GridFrame, GridRay};
 use crate::shade::shade;
 use crate::tally::Tally;
 use crate::units::UnitCaster;
@@ -60,17 +60,26 @@ impl UnitCaster for BruteScene {
     }
 
     fn cast_unit<T: Tally>(frame: &Frame<'_>, row: usize, canvas: &Canvas<'_>, tally: &mut T) {
-        cast_row(&frame.grid, frame.view, row as u32, canvas, tally);
+        let first_hit = |ray: &GridRay<'_>, tally: &mut T| ray.first_hit(ray.enter, tally);
+        cast_row(
+            &frame.grid,
+            frame.view,
+            row as u32,
+            canvas,
+            tally,
+            first_hit,
+        );
     }
 }
 
-/// Casts each pixel of a row alone.
-fn cast_row<T: Tally>(
+/// Casts each pixel of a row alone; `first_hit` finds where a ray that comes over the terrain meets it.
+pub(crate) fn cast_row<T: Tally>(
     grid: &GridFrame<'_>,
     view: &View,
     row: u32,
     canvas: &Canvas<'_>,
     tally: &mut T,
+    first_hit: impl Fn(&GridRay<'_>, &mut T) -> Option<f64>,
 ) {
     let rays = view.rays();
     for i in 0..view.size[0] {
@@ -78,7 +87,7 @@ fn cast_row<T: Tally>(
         let ray = rays.ray(i, row);
         let hit = grid
             .clip(&ray)
-            .and_then(|clipped| clipped.first_hit(clipped.enter, tally));
+            .and_then(|clipped| first_hit(&clipped, tally));
         shade(canvas, [i, row], grid.ground(), &ray, hit);
     }
 }

@@ -4,9 +4,9 @@
 use super::field::Tiles;
 use super::frame::Frame;
 use super::roofs::{FINEST, LEVEL_BEGIN, Roof, TOP, numbers};
+use crate::brute;
 use crate::canvas::Canvas;
 use crate::intersect::{GridFrame, GridRay};
-use crate::shade::shade;
 use crate::tally::Tally;
 use sandtable_terrain::TILE_CELLS;
 
@@ -23,15 +23,8 @@ pub(super) fn cast_row<T: Tally>(
         cells: frame.levels[0].cells,
         rounding: f64::from(frame.rounding),
     };
-    let rays = frame.view.rays();
-    for i in 0..frame.view.size[0] {
-        tally.ray();
-        let ray = rays.ray(i, row);
-        let hit = grid
-            .clip(&ray)
-            .and_then(|clipped| blocks.first_hit(&clipped, tally));
-        shade(canvas, [i, row], grid.ground(), &ray, hit);
-    }
+    let first_hit = |ray: &GridRay<'_>, tally: &mut T| blocks.first_hit(ray, tally);
+    brute::cast_row(grid, frame.view, row, canvas, tally, first_hit);
 }
 
 /// The ground's blocks.

@@ -149,15 +149,13 @@ mod tests {
         })
         .expect("a sound grid");
         for pixels in [0.3, 3.0, 30.0] {
-            let far = 200.0 / pixels * 500.0;
+            // Where all of its 200 m, or 100 cells, are so many pixels wide.
+            let far = 200.0 / pixels * 200.0 / 0.5_f64.tan();
             for aside in [-0.25, 0.0, 0.31] {
                 let height = 0.5_f64;
                 let eye = [100.0, 100.0 - far * height.cos(), far * height.sin()];
-                let fov = 2.0 * (0.5 * 400.0 / 500.0_f64).atan();
                 let view = camera(eye, [aside, aside - height, 0.2], [400, 300]);
-                let camera_scale = (0.5 * fov).tan() / 0.5_f64.tan();
-                // A pixel at the middle of the image is so many cells wide.
-                let middle = 100.0 / pixels / camera_scale;
+                let middle = 100.0 / pixels;
                 let widest = widest(&view, &ground);
                 assert!(
                     (0.5 * middle..2.0 * middle).contains(&widest),

@@ -63,9 +63,10 @@ impl<L: Lanes> March<'_, L> {
             let is_ahead = (d.x + lane * v.x) * major + (d.y + lane * v.y) * minor > 0.0;
             (major > 0.0 && minor > 0.0 && is_ahead).then_some(lane)
         };
-        let right = (minor_begin > 0.0).then(|| lane(major_end, minor_begin));
-        let left = (major_begin > 0.0).then(|| lane(major_begin, minor_end));
-        [(right, !turns), (left, turns)].map(|(lane, is_last)| Some((lane.flatten()?, is_last)))
+        // Those that lie least and most along the minor axis, where there is no ground beyond them.
+        let least = (minor_begin > 0.0).then(|| lane(major_end, minor_begin));
+        let most = (major_begin > 0.0).then(|| lane(major_begin, minor_end));
+        [(least, !turns), (most, turns)].map(|(lane, is_last)| Some((lane.flatten()?, is_last)))
     }
 }
 
