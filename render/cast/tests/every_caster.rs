@@ -3,10 +3,11 @@
 mod hills;
 
 use self::hills::{camera, ground, hills};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_cast::{
     CASTERS, CastPool, Image, Planes, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
 };
+use sandtable_terrain::{Photo, TiledRaster};
 use sandtable_view::View;
 use std::sync::Arc;
 
@@ -154,26 +155,36 @@ fn an_empty_image_is_cast_without_ado() {
 
 #[test]
 fn a_scene_updated_after_an_edit_equals_one_prepared_anew() {
-    let before = scene(300, 290, hills);
-    let edit = before
-        .ground
-        .edited(230..262, 100..140, |_, _, height| height + 30.0);
-    let (ground, changed) = edit.expect("finite");
-    let after = Scene::new(ground);
-    for caster in casters() {
-        let old = prepared(caster, &before);
-        let updated = old.updated(Arc::clone(&after), &changed).expect("suits");
-        let fresh = prepared(caster, &after);
-        let eye = DVec3::new(2300.0, 300.0, 130.0);
-        let look = [
-            camera(eye, 0.0, 0.0, 0.0).view([90, 60]),
-            camera(eye, 0.0, -0.3, 0.0).view([90, 60]),
-        ];
-        let views = accepted(caster, &*old, &look);
-        let [old, updated, fresh] =
-            [old, updated, fresh].map(|scene| cast(&*scene, &views, 2, Scheme::default()));
-        assert!(old != updated, "{} does not see the edit", caster);
-        assert!(updated == fresh, "{} sees half of the edit", caster);
+    let tinted = scene(300, 290, hills);
+    // A photo that is finer than posts.
+    let photo = Photo {
+        pixels: TiledRaster::from_fn(700, 600, |col, row| [col as u8, row as u8, 90, 255]),
+        origin: DVec2::ZERO,
+        spacing: 0.5 * tinted.ground.grid().spacing,
+    };
+    let under_photo = Scene::new((*tinted.ground).clone().with_photo(photo));
+    for before in [tinted, under_photo] {
+        // Within the range of heights, so that all other ground keeps its tints.
+        let [_, high] = before.ground.range();
+        let raised = |_, _, height| height + 0.7 * (high - height);
+        let edit = before.ground.edited(230..262, 100..140, raised);
+        let (ground, changed) = edit.expect("finite");
+        let after = Scene::new(ground);
+        for caster in casters() {
+            let old = prepared(caster, &before);
+            let updated = old.updated(Arc::clone(&after), &changed).expect("suits");
+            let fresh = prepared(caster, &after);
+            let eye = DVec3::new(2300.0, 300.0, 130.0);
+            let look = [
+                camera(eye, 0.0, 0.0, 0.0).view([90, 60]),
+                camera(eye, 0.0, -0.3, 0.0).view([90, 60]),
+            ];
+            let views = accepted(caster, &*old, &look);
+            let [old, updated, fresh] =
+                [old, updated, fresh].map(|scene| cast(&*scene, &views, 2, Scheme::default()));
+            assert!(old != updated, "{} does not see the edit", caster);
+            assert!(updated == fresh, "{} sees half of the edit", caster);
+        }
     }
 }
 

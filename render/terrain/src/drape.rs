@@ -1,5 +1,8 @@
 //! The ground's colours, a pixel a post, at halved and halved again resolution.
 
+mod resampled;
+
+use self::resampled::resampled;
 use crate::halving::coarser_size;
 use crate::{
     Ground, LinearLight, Photo, TILE_CELLS, TileIndex, TiledRaster, pre_texture,
@@ -12,7 +15,8 @@ use glam::DVec2;
 /// colours.
 ///
 /// Level 0 has the ground's own colours at its posts: of a photograph that is finer than they are,
-/// the means around them. A post of each further level is the mean of the finer ones around it by
+/// the means around them, and of one whose pixels lie about as far apart but between them, a cubic
+/// through the pixels around each. A post of each further level is the mean of the finer ones around it by
 /// [−1 2 6 2 −1] / 8 along each axis, as its height is, in linear light; beyond the border the
 /// outermost colour repeats. Colours are red, green, blue, sRGB-encoded, and 255.
 #[derive(Clone, Debug)]
@@ -23,12 +27,17 @@ pub struct Drape {
 /// As how many posts wide a photograph's pixels count as finer than these.
 const FINER: f64 = 0.75;
 
+/// As how many posts wide they count as coarser: then what is linear between them is so between posts.
+const COARSER: f64 = 1.5;
+
 /// What the finest level is made of.
 enum Finest<'a> {
     /// The photograph's pixels: one lies at each post.
     Pixels(&'a TiledRaster<[u8; 4]>),
     /// Means around the posts.
     Means,
+    /// What the photograph has at the posts, between its pixels.
+    Between(&'a Photo),
     /// What there is at the posts.
     Points,
 }
@@ -37,6 +46,7 @@ impl<'a> Finest<'a> {
     fn of(ground: &'a Ground) -> Self {
         let grid = ground.grid();
         let is_finer = |photo: &Photo| (photo.spacing / grid.spacing).min_element() < FINER;
+        let is_as_fine = |photo: &Photo| (photo.spacing / grid.spacing).max_element() < COARSER;
         let is_on_posts = |photo: &Photo| {
             photo.origin == DVec2::ZERO
                 && photo.spacing == grid.spacing
@@ -47,6 +57,7 @@ impl<'a> Finest<'a> {
                 Self::Pixels(&photo.pixels)
             }
             Some(photo) if is_finer(photo) => Self::Means,
+            Some(photo) if is_as_fine(photo) => Self::Between(photo),
             _ => Self::Points,
         }
     }
@@ -71,6 +82,9 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture(ground),
+            Finest::Between(photo) => {
+                TiledRaster::from_rows(grid.cols, grid.rows, resampled(ground, photo))
+            }
             Finest::Points => TiledRaster::from_fn(grid.cols, grid.rows, points(ground)),
         };
         let mut levels = vec![finest];
@@ -91,6 +105,7 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture_updated(old, before, ground, changed),
+            Finest::Between(photo) => old.with_rows_renewed(changed, resampled(ground, photo)),
             Finest::Points => old.with_tiles_renewed(changed, points(ground)),
         };
         let mut reached = reach::with_neighbours(changed, finest.cols(), finest.rows());
@@ -204,10 +219,41 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_between_posts_keeps_its_contrast() {
+        // Stripes of two pixels, which stand half a pixel beside the posts, and do not cover all ground.
+        let stripes = Photo {
+            pixels: TiledRaster::from_fn(290, 280, |x, _| {
+                let code = if x % 4 < 2 { 200 } else { 100 };
+                [code, 77, code, 255]
+            }),
+            origin: DVec2::new(1.0, 1.5),
+            spacing: DVec2::new(2.0, 3.0),
+        };
+        let ground = hills(300, 270).with_photo(stripes);
+        let drape = Drape::new(&ground);
+        let finest = &drape.levels()[0];
+        for (col, expected) in [(101, 213), (102, 150), (103, 88), (104, 150)] {
+            let [r, g, b, a] = finest.post(col, 60);
+            assert_eq!([g, b, a], [77, r, 255]);
+            assert_eq!(r, expected, "at {col}");
+        }
+        let [r, g, b] = ground.tint_at(2.0 * 295.0, 3.0 * 60.0);
+        assert_eq!(finest.post(295, 60), [r, g, b, 255]);
+    }
+
+    #[test]
     fn an_edit_is_followed_and_the_rest_shared() {
         let tinted = hills(1300, 600);
         let fine = photo(DVec2::ONE, [1000, 900]);
-        for before in [tinted.clone(), tinted.with_photo(fine)] {
+        let between = Photo {
+            origin: DVec2::new(1.0, 1.0),
+            ..photo(DVec2::new(2.0, 3.0), [1000, 290])
+        };
+        for before in [
+            tinted.clone(),
+            tinted.clone().with_photo(fine),
+            tinted.with_photo(between),
+        ] {
             let edited = before.edited(250..260, 300..310, |_, _, height| 0.5 * height);
             let (ground, changed) = edited.expect("finite heights");
             assert_eq!(before.range(), ground.range());

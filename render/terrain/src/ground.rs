@@ -1,5 +1,7 @@
 //! The ground: heights and colours over one grid, as casters read them.
 
+mod refined;
+
 use crate::colour::{hypsometric, relief_light};
 use crate::{Photo, Rgb, TileIndex, TiledRaster};
 use glam::DVec2;

@@ -1,6 +1,7 @@
 //! Terrains, and views of them, that casters are measured on.
 //!
-//! `tN` is the fractal terrain of N by N posts a metre apart; the others are real. The environment
+//! `tN` is the fractal terrain of N by N posts a metre apart, and `tNxK` its photograph over every
+//! K-th of them; the others are real. The environment
 //! chooses: `SANDTABLE_BENCH_SCENES` names scenes (`t512,pyrenees`), `SANDTABLE_BENCH_LARGE=1` adds
 //! t16384, and `SANDTABLE_PEERS` is a folder that has the fractal terrains as raw files.
 
@@ -9,6 +10,7 @@ mod noise;
 mod photo;
 mod raw;
 mod real;
+mod thinned;
 pub(crate) mod views;
 
 use anyhow::{Result, bail};
@@ -23,7 +25,7 @@ use std::sync::Arc;
 const SCENES: [&str; 4] = ["t512", "t4096", "pyrenees", "ruby-range"];
 const LARGE: &str = "t16384";
 
-/// A terrain with a photograph of a pixel a post, and its views.
+/// A terrain with a photograph, and its views.
 pub(crate) struct BenchScene {
     /// What tables call it.
     pub(crate) name: String,
@@ -66,8 +68,12 @@ pub(crate) fn chosen() -> impl Iterator<Item = Result<BenchScene>> {
 /// The scene of that name, or `None` where its files are not there. Fractal ones are read from the
 /// folder `peers` where that is given.
 pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScene>> {
-    if let Some(side) = name.strip_prefix('t').and_then(|side| side.parse().ok()) {
-        let (ground, views) = match peers {
+    let fractal = name
+        .strip_prefix('t')
+        .map(|sizes| sizes.split_once('x').unwrap_or((sizes, "1")));
+    let fractal = fractal.and_then(|(side, times)| Some((side.parse().ok()?, times.parse().ok()?)));
+    if let Some((side, times)) = fractal {
+        let (mut ground, views) = match peers {
             Some(folder) => raw::scene(folder, side)?,
             None => {
                 let ground = fractal::ground(side)?;
@@ -75,11 +81,14 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
                 (ground, views)
             }
         };
+        if times > 1 {
+            ground = thinned::thinned(&ground, times)?;
+        }
         return Ok(Some(BenchScene::new(name, ground, views)));
     }
     let Some(file) = real::file(name) else {
         bail!(
-            "no scene is called {name:?}: there are tN, {}",
+            "no scene is called {name:?}: there are tN, tNxK, {}",
             real::NAMES.join(", ")
         );
     };

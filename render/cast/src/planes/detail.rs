@@ -2,6 +2,7 @@
 
 use super::field::Tiles;
 use super::frame::Level;
+use super::refined::{Refined, loses_photo};
 use super::roofs::Roofs;
 use super::steepness::Steepness;
 use crate::CastError;
@@ -19,10 +20,6 @@ const MAGNIFIED: f64 = 0.5;
 /// How many posts a pixel covers, about, from which on it may lie between planes in other views; what is
 /// nearer, right before the eye, has rays there, too.
 const NEAR: f32 = 0.02;
-
-/// How many posts lie from a photo's pixel to the next where planes, which see colours at posts, would
-/// lose some of it.
-const FINER: f64 = 0.75;
 
 /// How detail is chosen.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +61,10 @@ impl DetailOptions {
 /// Ground and colours at all resolutions.
 pub(super) struct Detail {
     options: DetailOptions,
+    /// What levels begin with, where the photo is finer than the ground's posts.
+    refined: Option<Refined>,
+    /// Whether some of the photo is lost at the posts of the first level.
+    loses_photo: bool,
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
     bounds: Vec<(Roofs, Steepness)>,
@@ -87,7 +88,8 @@ fn tint_of(ground: &Ground) -> Option<impl Fn(u32, u32) -> [u8; 4] + Sync> {
     })
 }
 
-/// Colours at all resolutions, and where the finest one's pixels lie: as [`Photo`] has it, in cells.
+/// Colours at all resolutions, and where the finest one's pixels lie: as [`Photo`] has it, in the
+/// ground's own cells.
 #[derive(Clone)]
 struct Texture {
     mipmap: Mipmap,
@@ -116,20 +118,24 @@ impl Texture {
 
 impl Detail {
     pub(super) fn new(options: DetailOptions, ground: &Ground) -> Self {
-        let heights = HeightPyramid::new(ground.heights(), ground.range());
+        let refined = Refined::new(ground);
+        let finest = refined.as_ref().map_or(ground, |refined| &refined.ground);
+        let heights = HeightPyramid::new(finest.heights(), ground.range());
         let coarser = heights.levels()[1..].par_iter();
         Self {
             options,
+            loses_photo: loses_photo(finest),
             bounds: coarser
                 .map(|heights| (Roofs::new(heights), Steepness::new(heights)))
                 .collect(),
             heights,
-            drape: Drape::new(ground),
+            drape: Drape::new(finest),
             photo: ground.photo().map(|photo| Texture::of_photo(photo, ground)),
             tints: tint_of(ground).map(|tint| {
                 let grid = ground.grid();
                 Texture::of_tints(&TiledRaster::from_fn(grid.cols, grid.rows, tint))
             }),
+            refined,
         }
     }
 
@@ -148,12 +154,23 @@ impl Detail {
         if before.grid() != ground.grid() || !same_photo || !same_tints {
             return Self::new(self.options, ground);
         }
-        let (heights, reached) = self
-            .heights
-            .updated(ground.heights(), ground.range(), changed);
+        let refined = self
+            .refined
+            .as_ref()
+            .map(|refined| refined.updated(ground, changed));
+        let (before_finest, finest, finest_changed) = match (&self.refined, &refined) {
+            (Some(before), Some((refined, changed))) => {
+                (&before.ground, &refined.ground, &**changed)
+            }
+            _ => (before, ground, changed),
+        };
+        let (heights, reached) =
+            self.heights
+                .updated(finest.heights(), ground.range(), finest_changed);
         let levels = self.bounds.iter().zip(&heights.levels()[1..]);
         Self {
             options: self.options,
+            loses_photo: self.loses_photo,
             bounds: levels
                 .zip(&reached[1..])
                 .map(|(((roofs, steepness), heights), tiles)| {
@@ -164,7 +181,7 @@ impl Detail {
                 })
                 .collect(),
             heights,
-            drape: self.drape.updated(before, ground, changed),
+            drape: self.drape.updated(before_finest, finest, finest_changed),
             photo: self.photo.clone(),
             tints: self.tints.as_ref().map(|old| {
                 let image = match tint_of(ground) {
@@ -176,14 +193,21 @@ impl Detail {
                     ..*old
                 }
             }),
+            refined: refined.map(|(refined, _)| refined),
         }
     }
 
-    /// The ground's levels, from its `finest` one on.
-    pub(super) fn levels<'a>(&'a self, finest: Level<'a>) -> Vec<Level<'a>> {
+    /// The ground whose cells the first level has, if that is another one than the ground itself.
+    pub(super) fn refined(&self) -> Option<&Ground> {
+        self.refined.as_ref().map(|refined| &refined.ground)
+    }
+
+    /// The ground's levels; the ground's `own` is the first one where it is not refined.
+    pub(super) fn levels<'a>(&'a self, own: Level<'a>) -> Vec<Level<'a>> {
         let coarser = self.heights.levels()[1..].iter().zip(&self.bounds);
         let coarser =
             coarser.map(|(heights, (roofs, steepness))| Level::new(heights, roofs, steepness));
+        let finest = self.refined.as_ref().map_or(own, Refined::level);
         std::iter::once(finest)
             .chain(coarser)
             .zip(self.drape.levels())
@@ -191,38 +215,34 @@ impl Detail {
             .collect()
     }
 
-    /// Whether the photo has more pixels than the ground has posts: planes see colours at posts.
-    fn has_finer_photo(&self) -> bool {
-        let finest = |photo: &Texture| photo.spacing[0].min(photo.spacing[1]);
-        self.photo
-            .as_ref()
-            .is_some_and(|photo| finest(photo) < FINER)
-    }
-
-    /// How many posts pixels may cover up to which all rays go over the ground's own resolution.
+    /// How many of the ground's own posts pixels may cover up to which all rays go over its own
+    /// resolution.
     pub(super) fn widest_in_finest(&self) -> f64 {
-        let most = if self.has_finer_photo() {
-            1.0
-        } else {
-            MAGNIFIED
-        };
+        let most = if self.loses_photo { 1.0 } else { MAGNIFIED };
         // From two of what is asked for to a cell on a ray changes to the next level.
-        most.min(2.0 / self.options.cell)
+        most.min(2.0 / self.options.cell) / self.times()
     }
 
-    pub(super) fn frame(&self) -> DetailFrame<'_> {
+    /// How many of the first level's cells lie side by side in one of the ground's.
+    fn times(&self) -> f64 {
+        self.refined
+            .as_ref()
+            .map_or(1.0, |refined| f64::from(refined.times))
+    }
+
+    /// For rays over the levels, if the ground `coarsens`, or else over its own cells.
+    pub(super) fn frame(&self, coarsens: bool) -> DetailFrame<'_> {
+        let cells = if coarsens { self.times() } else { 1.0 };
+        let texture = |texture, covers| TextureFrame::new(texture, cells, covers);
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
-            far: if self.has_finer_photo() { 1.0 } else { NEAR },
+            far: if self.loses_photo { 1.0 } else { NEAR },
             photo: self
                 .photo
                 .as_ref()
-                .map(|photo| TextureFrame::new(photo, self.tints.is_none())),
-            tints: self
-                .tints
-                .as_ref()
-                .map(|tints| TextureFrame::new(tints, true)),
+                .map(|photo| texture(photo, self.tints.is_none())),
+            tints: self.tints.as_ref().map(|tints| texture(tints, true)),
         }
     }
 }
@@ -247,7 +267,7 @@ pub(super) struct TextureFrame<'a> {
     pub(super) levels: usize,
     pub(super) first_tiles: [i32; LANES],
     pub(super) tiles_across: [i32; LANES],
-    /// The finest level's size in pixels, and where it lies, in cells.
+    /// The finest level's size in pixels, and where it lies, in cells that rays go over.
     pub(super) size: [u32; 2],
     pub(super) origin: [f64; 2],
     pub(super) spacing: [f64; 2],
@@ -256,7 +276,8 @@ pub(super) struct TextureFrame<'a> {
 }
 
 impl<'a> TextureFrame<'a> {
-    fn new(texture: &'a Texture, covers: bool) -> Self {
+    /// For rays that go over so many `cells` along each side of one of the ground's.
+    fn new(texture: &'a Texture, cells: f64, covers: bool) -> Self {
         let levels = texture.mipmap.levels();
         let (mut first_tiles, mut tiles_across) = ([0; LANES], [0; LANES]);
         let mut tiles = 0;
@@ -275,8 +296,8 @@ impl<'a> TextureFrame<'a> {
             first_tiles,
             tiles_across,
             size: [levels[0].cols(), levels[0].rows()],
-            origin: texture.origin,
-            spacing: texture.spacing,
+            origin: texture.origin.map(|at| at * cells),
+            spacing: texture.spacing.map(|spacing| spacing * cells),
             covers,
         }
     }
@@ -319,8 +340,8 @@ mod tests {
             })
         };
         assert_eq!(coarsens(1.5, [6400, 4000]), [false; 3]);
-        assert_eq!(coarsens(1.5, [800, 500]), [true, true, false]);
-        assert_eq!(coarsens(1.5, [320, 200]), [true; 3]);
+        assert_eq!(coarsens(1.5, [1600, 1000]), [false, false, true]);
+        assert_eq!(coarsens(1.5, [800, 500]), [true; 3]);
         assert_eq!(coarsens(8.0, [1600, 1000]), [true; 3]);
     }
 }

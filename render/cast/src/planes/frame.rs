@@ -68,17 +68,18 @@ impl<'a> Level<'a> {
 /// What all sectors of one view share.
 pub(super) struct Frame<'a> {
     pub(super) isa: Isa,
-    /// The ground's own resolution and, where it is coarsened, those that are halved again and again.
+    /// The resolution of `ground` and, where it is coarsened, those that are halved again and again.
     pub(super) levels: Vec<Level<'a>>,
     pub(super) detail: Option<DetailFrame<'a>>,
     /// Whether detail is chosen and pixels are so wide that ground is taken at other resolutions than its
     /// own somewhere. Else rays go exactly the ways that they go without detail.
     pub(super) coarsens: bool,
+    /// The ground over whose cells rays go: where it is coarsened and has a finer photo, it is refined.
     pub(super) ground: &'a Ground,
     pub(super) view: &'a View,
     pub(super) rays: ImageRays,
     pub(super) sectors: Vec<Sector>,
-    /// The eye in cells along x and y from the south-west post, and in metres of height.
+    /// The eye in cells of `ground` along x and y from the south-west post, and in metres of height.
     pub(super) eye: DVec3,
     pub(super) highest: f32,
     /// How steep the ground is around each pixel, where that is known.

@@ -14,6 +14,7 @@ mod frame;
 mod patches;
 mod pixels;
 mod profile;
+mod refined;
 mod roofs;
 mod rows;
 mod sectors;
@@ -41,8 +42,7 @@ use crate::options::{CasterOption, Options};
 use crate::tally::Tally;
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
-use glam::DVec3;
-use sandtable_terrain::TileIndex;
+use sandtable_terrain::{Ground, TileIndex};
 use sandtable_view::View;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -179,21 +179,31 @@ impl UnitCaster for PlanesScene {
     }
 
     fn frame<'a>(&'a self, view: &'a View) -> Result<Frame<'a>, CastError> {
-        let ground = &*self.scene.ground;
-        let grid = ground.grid();
-        let [low, high] = ground.range();
-        let per_metre = DVec3::new(1.0 / grid.spacing.x, 1.0 / grid.spacing.y, 1.0);
-        let rays = ImageRays::new(view, per_metre);
-        let finest = Level::new(ground.heights(), &self.roofs, &self.steepness);
-        let eye = view.eye * per_metre;
+        let own = &*self.scene.ground;
+        let [low, high] = own.range();
+        let per_metre = |ground: &Ground| ground.grid().spacing.recip().extend(1.0);
+        let own_level = Level::new(own.heights(), &self.roofs, &self.steepness);
         let coarser = self.detail.as_ref().filter(|detail| {
-            let heights = [low, high].map(f64::from);
-            rays.widest(eye, finest.cells, heights) > detail.widest_in_finest()
+            let per_metre = per_metre(own);
+            let (rays, heights) = (ImageRays::new(view, per_metre), [low, high].map(f64::from));
+            rays.widest(view.eye * per_metre, own_level.cells, heights) > detail.widest_in_finest()
         });
+        let inside = own
+            .height_at(view.eye.x, view.eye.y)
+            .is_some_and(|height| view.eye.z <= height);
+        // The ground whose cells rays go over.
+        let over = |coarser: Option<&'a Detail>| coarser.and_then(Detail::refined).unwrap_or(own);
+        let rays_over = |ground| ImageRays::new(view, per_metre(ground));
+        let ground = over(coarser);
+        let alone = inside || rays_over(ground).are_too_fine(ground, view.eye, coarser.is_some());
+        let coarser = coarser.filter(|_| !alone);
         let coarsens = coarser.is_some();
+        let ground = over(coarser);
+        let rays = rays_over(ground);
+        let eye = view.eye * per_metre(ground);
         let levels = match coarser {
-            Some(detail) => detail.levels(finest),
-            None => vec![finest],
+            Some(detail) => detail.levels(own_level),
+            None => vec![own_level],
         };
         let bounds = Bounds {
             width: if coarsens { COARSENED_WIDTH } else { WIDTH },
@@ -205,10 +215,6 @@ impl UnitCaster for PlanesScene {
         };
         let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        let inside = ground
-            .height_at(view.eye.x, view.eye.y)
-            .is_some_and(|height| view.eye.z <= height);
-        let alone = inside || rays.are_too_fine(ground, view.eye, coarsens);
         let is_worth_while =
             !coarsens && pixels >= PIXELS_A_BLOCK * self.steepness.blocks() && rays.are_slanted();
         let steepness =
@@ -216,18 +222,18 @@ impl UnitCaster for PlanesScene {
         Ok(Frame {
             isa: self.isa,
             levels,
-            detail: self.detail.as_ref().map(Detail::frame),
+            detail: self.detail.as_ref().map(|detail| detail.frame(coarsens)),
             coarsens,
             ground,
             view,
             sectors: rays.sectors(&bounds),
             rays,
             eye,
-            highest: ground.range()[1],
+            highest: high,
             rounding,
             steepness,
-            alone: alone.then(|| GridFrame::new(ground)),
-            ground_rise: 0.5 * grid.cell_length() as f32,
+            alone: alone.then(|| GridFrame::new(own)),
+            ground_rise: 0.5 * ground.grid().cell_length() as f32,
         })
     }
 

@@ -37,6 +37,11 @@ pub(crate) fn mountains() -> Ground {
 
 /// A photo with detail of all sizes, down to single pixels of half a metre.
 pub(crate) fn photo() -> Photo {
+    photo_of([1400, 1200])
+}
+
+/// The same with so many pixels.
+pub(crate) fn photo_of([cols, rows]: [u32; 2]) -> Photo {
     let pixel = |x: u32, y: u32| {
         let fine = f64::from(hash(x, y) >> 24) - 128.0;
         let coarse = 90.0 * noise(f64::from(x), f64::from(y), 31.0);
@@ -44,7 +49,7 @@ pub(crate) fn photo() -> Photo {
         [level, level / 2 + 60, 200 - level / 2, 255]
     };
     Photo {
-        pixels: TiledRaster::from_fn(1400, 1200, pixel),
+        pixels: TiledRaster::from_fn(cols, rows, pixel),
         origin: DVec2::ZERO,
         spacing: DVec2::splat(0.5),
     }

@@ -1,10 +1,21 @@
 //! Images are nearer to the truth than points where pixels cover much, and nowhere farther.
 
-use crate::ground::{mountains, photo};
+use crate::ground::{mountains, photo, photo_of};
 use crate::truth::compared;
 use crate::views::{camera, cast};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_cast::{Planes, Scene, standpoints};
+use sandtable_terrain::Photo;
+
+/// A photo whose pixels lie so many metres apart, none of them on a post: where they are larger than the
+/// image's, rays look at them one by one.
+fn between_posts(spacing: f64) -> Photo {
+    Photo {
+        spacing: DVec2::splat(spacing),
+        origin: DVec2::splat(0.3 * spacing),
+        ..photo()
+    }
+}
 
 #[test]
 fn pixels_that_cover_much_are_nearer_to_the_truth() {
@@ -26,9 +37,44 @@ fn pixels_that_cover_much_are_nearer_to_the_truth() {
     }
 }
 
+/// A photo that has more pixels than the ground has posts, on posts as many times as close and between them,
+/// seen as near to the truth as one of a pixel a post, and never farther than by points.
+#[test]
+fn finer_photos_are_seen_with_all_that_is_in_them() {
+    for (name, spacing, origin) in [
+        ("2 a post", 0.5, 0.0),
+        ("2 a post, between them", 0.5, 0.22),
+        ("3.2 a post", 0.3125, 0.1),
+        ("1 a post, between them", 1.0, -0.5),
+    ] {
+        let photo = Photo {
+            spacing: DVec2::splat(spacing),
+            origin: DVec2::splat(origin),
+            ..photo_of([(720.0 / spacing) as u32, (620.0 / spacing) as u32])
+        };
+        let scene = Scene::new(mountains().with_photo(photo));
+        let eye = DVec3::new(60.0, 20.0, 150.0);
+        let table = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [800, 480]);
+        let views = [
+            (camera(eye, -0.4, [400, 300]), 2.0),
+            (camera(eye, -0.9, [200, 150]), 2.0),
+            (
+                camera(DVec3::new(300.0, 250.0, 110.0), -1.5, [400, 300]),
+                0.0,
+            ),
+            (table, 1.0),
+        ];
+        for (k, (view, gain)) in views.into_iter().enumerate() {
+            let [points, detail] = compared(&scene, view);
+            println!("{name}, view {k}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points + gain, "{name}, view {k}");
+        }
+    }
+}
+
 #[test]
 fn pixels_that_cover_little_are_no_worse() {
-    let scene = Scene::new(mountains().with_photo(photo()));
+    let scene = Scene::new(mountains().with_photo(between_posts(0.5)));
     let over = |x: f64, y: f64, height: f64| {
         let ground = scene.ground.height_at(x, y).expect("on the ground");
         DVec3::new(x, y, ground + height)
@@ -50,7 +96,7 @@ fn pixels_that_cover_little_are_no_worse() {
 /// Where all pixels are narrower than posts, rays go as they do without detail.
 #[test]
 fn narrow_pixels_see_the_ground_exactly() {
-    let scene = Scene::new(mountains().with_photo(photo()));
+    let scene = Scene::new(mountains().with_photo(between_posts(1.0)));
     let over = |x: f64, y: f64, height: f64| {
         let ground = scene.ground.height_at(x, y).expect("on the ground");
         DVec3::new(x, y, ground + height)
