@@ -2,7 +2,7 @@
 
 mod resampled;
 
-use self::resampled::resampled;
+use self::resampled::{Weights, cubic, linear, resampled};
 use crate::halving::coarser_size;
 use crate::{
     Ground, LinearLight, Photo, TILE_CELLS, TileIndex, TiledRaster, pre_texture,
@@ -37,9 +37,9 @@ enum Finest<'a> {
     /// Means around the posts.
     Means,
     /// What the photograph has at the posts, between its pixels.
-    Between(&'a Photo),
-    /// What there is at the posts.
-    Points,
+    Between(&'a Photo, Weights),
+    /// The tints at the posts.
+    Tints,
 }
 
 impl<'a> Finest<'a> {
@@ -57,18 +57,19 @@ impl<'a> Finest<'a> {
                 Self::Pixels(&photo.pixels)
             }
             Some(photo) if is_finer(photo) => Self::Means,
-            Some(photo) if is_as_fine(photo) => Self::Between(photo),
-            _ => Self::Points,
+            Some(photo) if is_as_fine(photo) => Self::Between(photo, cubic),
+            Some(photo) => Self::Between(photo, linear),
+            None => Self::Tints,
         }
     }
 }
 
-/// The ground's colour at its posts.
-fn points(ground: &Ground) -> impl Fn(u32, u32) -> [u8; 4] + Sync {
+/// The ground's tints at its posts.
+fn tints(ground: &Ground) -> impl Fn(u32, u32) -> [u8; 4] + Sync {
     let spacing = ground.grid().spacing;
     move |col, row| {
         let at = DVec2::new(f64::from(col), f64::from(row)) * spacing;
-        let [r, g, b] = ground.colour_at(at.x, at.y);
+        let [r, g, b] = ground.tint_at(at.x, at.y);
         [r, g, b, 255]
     }
 }
@@ -82,10 +83,10 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture(ground),
-            Finest::Between(photo) => {
-                TiledRaster::from_rows(grid.cols, grid.rows, resampled(ground, photo))
+            Finest::Between(photo, weights) => {
+                TiledRaster::from_rows(grid.cols, grid.rows, resampled(ground, photo, weights))
             }
-            Finest::Points => TiledRaster::from_fn(grid.cols, grid.rows, points(ground)),
+            Finest::Tints => TiledRaster::from_fn(grid.cols, grid.rows, tints(ground)),
         };
         let mut levels = vec![finest];
         while let Some(finer) = levels.last()
@@ -105,8 +106,10 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture_updated(old, before, ground, changed),
-            Finest::Between(photo) => old.with_rows_renewed(changed, resampled(ground, photo)),
-            Finest::Points => old.with_tiles_renewed(changed, points(ground)),
+            Finest::Between(photo, weights) => {
+                old.with_rows_renewed(changed, resampled(ground, photo, weights))
+            }
+            Finest::Tints => old.with_tiles_renewed(changed, tints(ground)),
         };
         let mut reached = reach::with_neighbours(changed, finest.cols(), finest.rows());
         let mut levels = vec![finest];

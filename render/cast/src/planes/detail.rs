@@ -2,7 +2,7 @@
 
 use super::field::Tiles;
 use super::frame::Level;
-use super::refined::{Refined, loses_photo};
+use super::refined::{Refined, lost_photo};
 use super::roofs::Roofs;
 use super::steepness::Steepness;
 use crate::CastError;
@@ -63,8 +63,8 @@ pub(super) struct Detail {
     options: DetailOptions,
     /// What levels begin with, where the photo is finer than the ground's posts.
     refined: Option<Refined>,
-    /// Whether some of the photo is lost at the posts of the first level.
-    loses_photo: bool,
+    /// How many of the first level's posts pixels cover where planes see less of the photo than rays, at most.
+    lost: Option<f64>,
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
     bounds: Vec<(Roofs, Steepness)>,
@@ -124,7 +124,7 @@ impl Detail {
         let coarser = heights.levels()[1..].par_iter();
         Self {
             options,
-            loses_photo: loses_photo(finest),
+            lost: lost_photo(finest).map(|spacing| spacing.max(1.0)),
             bounds: coarser
                 .map(|heights| (Roofs::new(heights), Steepness::new(heights)))
                 .collect(),
@@ -170,7 +170,7 @@ impl Detail {
         let levels = self.bounds.iter().zip(&heights.levels()[1..]);
         Self {
             options: self.options,
-            loses_photo: self.loses_photo,
+            lost: self.lost,
             bounds: levels
                 .zip(&reached[1..])
                 .map(|(((roofs, steepness), heights), tiles)| {
@@ -218,7 +218,7 @@ impl Detail {
     /// How many of the ground's own posts pixels may cover up to which all rays go over its own
     /// resolution.
     pub(super) fn widest_in_finest(&self) -> f64 {
-        let most = if self.loses_photo { 1.0 } else { MAGNIFIED };
+        let most = self.lost.unwrap_or(MAGNIFIED);
         // From two of what is asked for to a cell on a ray changes to the next level.
         most.min(2.0 / self.options.cell) / self.times()
     }
@@ -237,7 +237,8 @@ impl Detail {
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
-            far: if self.loses_photo { 1.0 } else { NEAR },
+            far: self.lost.map_or(NEAR, |lost| lost as f32),
+            native: self.refined.as_ref().map_or(0, |refined| refined.native),
             photo: self
                 .photo
                 .as_ref()
@@ -255,6 +256,8 @@ pub(super) struct DetailFrame<'a> {
     pub(super) blur: f32,
     /// How many posts a pixel covers, about, from which on it may lie between planes.
     pub(super) far: f32,
+    /// The first level that is no finer than what it was made of: posts, and the photo's pixels.
+    pub(super) native: usize,
     pub(super) photo: Option<TextureFrame<'a>>,
     pub(super) tints: Option<TextureFrame<'a>>,
 }

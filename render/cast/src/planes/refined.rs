@@ -14,36 +14,61 @@ const FINER: f64 = 0.75;
 const COARSER: f64 = 3.0;
 
 /// How far pixels may lie beside posts that they are on.
-const BESIDE: f64 = 0.1;
+const BESIDE: f64 = 0.02;
 
-/// How many posts there may be for each of the photo's pixels: more where it covers less than all of the
-/// ground.
-const MOST_A_PIXEL: f64 = 4.0;
+/// How many posts there may be, and for each of the photo's pixels: there are more than one where it covers
+/// less than all of the ground. With their colours and what is made of them they take some 12 bytes each.
+const MOST: Room = Room {
+    posts: (1 << 28) as f64,
+    a_pixel: 4.0,
+};
 
-/// How many posts there may be: with their colours they take ten bytes each.
-const MOST: f64 = (1 << 28) as f64;
+/// The same where every other post would do, but for pixels that lie halfway between posts.
+const MOST_TWICE: Room = Room {
+    posts: (1 << 26) as f64,
+    a_pixel: 8.0,
+};
+
+/// How many posts there may be.
+struct Room {
+    posts: f64,
+    a_pixel: f64,
+}
+
+impl Room {
+    /// How many times as close posts may be along each side.
+    fn times(&self, photo: &Photo, ground: &Ground) -> u32 {
+        let pixels = f64::from(photo.pixels.cols()) * f64::from(photo.pixels.rows());
+        let most = self.posts.min(self.a_pixel * pixels);
+        (most / ground.grid().posts() as f64).sqrt() as u32
+    }
+}
 
 /// How many posts lie from one of the photo's pixels to the next.
 fn spacing(photo: &Photo, ground: &Ground) -> f64 {
     (photo.spacing / ground.grid().spacing).min_element()
 }
 
-/// Whether some of the photo is lost where colours are linear from post to post, magnified: its pixels lie
-/// closer, or elsewhere.
-pub(super) fn loses_photo(ground: &Ground) -> bool {
-    let posts = ground.grid().spacing;
-    ground.photo().is_some_and(|photo| {
-        let (spacing, origin) = (photo.spacing / posts, photo.origin / posts);
-        let pixels = DVec2::new(
-            f64::from(photo.pixels.cols()),
-            f64::from(photo.pixels.rows()),
-        );
-        let last = origin + (pixels - 1.0) * spacing;
-        let beside = |at: DVec2| (at - at.round()).abs().max_element();
-        let is_on_posts = beside(spacing) < 0.5 / pixels.max_element()
-            && beside(origin).max(beside(last)) < BESIDE;
-        spacing.min_element() < FINER || (spacing.min_element() < COARSER && !is_on_posts)
-    })
+/// Whether the photo's pixels lie on posts, where there are `times` as many of these along each side.
+fn is_on_posts(photo: &Photo, ground: &Ground, times: u32) -> bool {
+    let posts = ground.grid().spacing / f64::from(times);
+    let (spacing, first) = (photo.spacing / posts, photo.origin / posts);
+    let pixels = DVec2::new(
+        f64::from(photo.pixels.cols()),
+        f64::from(photo.pixels.rows()),
+    );
+    let last = first + (pixels - 1.0) * spacing;
+    let beside = |at: DVec2| (at - at.round()).abs().max_element();
+    beside(spacing) < 0.5 / pixels.max_element() && beside(first).max(beside(last)) < BESIDE
+}
+
+/// How many posts lie from a photo's pixel to the next where some of it is lost if colours are linear from post to
+/// post, magnified: as its pixels lie closer, or elsewhere.
+pub(super) fn lost_photo(ground: &Ground) -> Option<f64> {
+    let photo = ground.photo()?;
+    let spacing = spacing(photo, ground);
+    let is_lost = spacing < FINER || (spacing < COARSER && !is_on_posts(photo, ground, 1));
+    is_lost.then_some(spacing)
 }
 
 /// The same ground with about a post for each pixel of a photo that is finer than its own posts.
@@ -51,6 +76,8 @@ pub(super) struct Refined {
     pub(super) ground: Ground,
     /// How many of its cells lie side by side in one of the ground's.
     pub(super) times: u32,
+    /// The level whose posts lie about as far apart as the photo's pixels.
+    pub(super) native: usize,
     roofs: Roofs,
     steepness: Steepness,
 }
@@ -58,13 +85,14 @@ pub(super) struct Refined {
 impl Refined {
     /// Of a ground whose photo is finer.
     pub(super) fn new(ground: &Ground) -> Option<Self> {
-        let times = times(ground)?;
+        let (times, native) = times(ground)?;
         let ground = ground.refined(times);
         Some(Self {
             roofs: Roofs::new(ground.heights()),
             steepness: Steepness::new(ground.heights()),
             ground,
             times,
+            native,
         })
     }
 
@@ -74,6 +102,7 @@ impl Refined {
         let (ground, changed) = self.ground.refined_again(ground, self.times, changed);
         let refined = Self {
             times: self.times,
+            native: self.native,
             roofs: self.roofs.updated(ground.heights(), &changed),
             steepness: self.steepness.updated(ground.heights(), &changed),
             ground,
@@ -86,16 +115,31 @@ impl Refined {
     }
 }
 
-/// By how much a ground is refined, if at all.
-fn times(ground: &Ground) -> Option<u32> {
-    let photo = ground
-        .photo()
-        .filter(|photo| spacing(photo, ground) < FINER)?;
-    let pixels = f64::from(photo.pixels.cols()) * f64::from(photo.pixels.rows());
-    let most = (MOST_A_PIXEL * pixels).min(MOST) / ground.grid().posts() as f64;
-    let wanted = (1.0 / spacing(photo, ground)).round().max(2.0);
-    let times = wanted.min(most.sqrt().floor());
-    (times >= 2.0).then_some(times as u32)
+/// How many times as close posts are to be, if at all, and the level whose posts lie about as far apart as the
+/// photo's pixels.
+///
+/// Powers of two, so that the ground's own posts are one of the levels: else tips of spikes, which are many pixels
+/// wide where these suit, lay between the posts of all of them.
+fn times(ground: &Ground) -> Option<(u32, usize)> {
+    let (photo, spacing) = (ground.photo()?, lost_photo(ground)?);
+    let a_pixel = doubled_while(1, |times| f64::from(times) * spacing < FINER);
+    // Files whose pixels are areas put them there, where there is an even number of them to a post; and so do
+    // any with heights at points.
+    let is_halfway =
+        !is_on_posts(photo, ground, a_pixel) && is_on_posts(photo, ground, 2 * a_pixel);
+    if is_halfway && 2 * a_pixel <= MOST_TWICE.times(photo, ground) {
+        return Some((2 * a_pixel, 1));
+    }
+    let most = MOST.times(photo, ground);
+    let times = doubled_while(1, |times| times < a_pixel && 2 * times <= most);
+    (times > 1).then_some((times, 0))
+}
+
+fn doubled_while(mut times: u32, is_too_few: impl Fn(u32) -> bool) -> u32 {
+    while is_too_few(times) {
+        times *= 2;
+    }
+    times
 }
 
 #[cfg(test)]
@@ -107,17 +151,17 @@ mod tests {
     fn a_photo_is_seen_at_posts_where_its_pixels_lie_there() {
         let ground = Ground::from_fn(101, 81, DVec2::new(30.0, 20.0), |_, _| 0.0);
         let ground = ground.expect("a sound grid");
-        assert!(!loses_photo(&ground));
+        assert_eq!(lost_photo(&ground), None);
         let loses = |origin: [f64; 2], spacing: [f64; 2]| {
             let photo = Photo {
                 pixels: TiledRaster::from_fn(40, 30, |_, _| [9, 9, 9, 255]),
                 origin: DVec2::from_array(origin),
                 spacing: DVec2::from_array(spacing),
             };
-            loses_photo(&ground.clone().with_photo(photo))
+            lost_photo(&ground.clone().with_photo(photo)).is_some()
         };
         assert!(!loses([0.0; 2], [30.0, 20.0]) && !loses([-60.0, 40.0], [60.0, 20.0]));
-        assert!(!loses([2.0, 1.0], [30.01, 20.0]));
+        assert!(!loses([0.3, 0.2], [30.001, 20.0]));
         // Between posts, or drifting away from them.
         assert!(loses([15.0, 0.0], [30.0, 20.0]) && loses([0.0, 10.0], [30.0, 20.0]));
         assert!(loses([0.0; 2], [30.2, 20.0]) && loses([0.0; 2], [45.0, 20.0]));
@@ -132,21 +176,29 @@ mod tests {
         let ground = Ground::from_fn(101, 81, DVec2::splat(30.0), |col, row| (col + row) as f32);
         let ground = ground.expect("a sound grid");
         assert_eq!(times(&ground), None);
-        let under = |cols: u32, rows: u32, spacing: f64| {
+        let under = |cols: u32, rows: u32, spacing: f64, origin: f64| {
             let photo = Photo {
                 pixels: TiledRaster::from_fn(cols, rows, |_, _| [9, 9, 9, 255]),
-                origin: DVec2::ZERO,
+                origin: DVec2::splat(origin),
                 spacing: DVec2::splat(spacing),
             };
             times(&ground.clone().with_photo(photo))
         };
-        assert_eq!(under(101, 81, 30.0), None);
-        assert_eq!(under(120, 100, 24.0), None);
-        assert_eq!(under(150, 120, 20.0), Some(2));
-        assert_eq!(under(301, 241, 10.0), Some(3));
-        assert_eq!(under(970, 780, 3.1), Some(10));
+        assert_eq!(under(101, 81, 30.0, 0.0), None);
+        assert_eq!(under(120, 100, 24.0, 0.0), None);
+        assert_eq!(under(150, 120, 20.0, 0.0), Some((2, 0)));
+        assert_eq!(under(301, 241, 10.0, 0.0), Some((4, 0)));
+        assert_eq!(under(404, 324, 7.5, 0.0), Some((4, 0)));
+        assert_eq!(under(970, 780, 3.1, 0.0), Some((8, 0)));
+        // Areas of 7.5 m and of 15 m within those of 30 m; and of 30 m, around points.
+        assert_eq!(under(404, 324, 7.5, -11.25), Some((8, 1)));
+        assert_eq!(under(202, 162, 15.0, -7.5), Some((4, 1)));
+        assert_eq!(under(100, 80, 30.0, 15.0), Some((2, 1)));
+        // Between posts, but not halfway.
+        assert_eq!(under(202, 162, 15.0, -4.0), Some((2, 0)));
+        assert_eq!(under(100, 80, 30.0, 10.0), None);
         // A tenth of the ground, and a corner of it.
-        assert_eq!(under(320, 240, 3.1), Some(6));
-        assert_eq!(under(80, 60, 3.1), None);
+        assert_eq!(under(320, 240, 3.1, 0.0), Some((4, 0)));
+        assert_eq!(under(80, 60, 3.1, 0.0), None);
     }
 }

@@ -1,4 +1,4 @@
-//! A photograph at posts that lie about as far apart as its pixels, but not on them.
+//! A photograph at the ground's posts.
 
 use crate::{Ground, Photo, TILE_CELLS};
 use glam::DVec2;
@@ -9,10 +9,20 @@ const TAPS: usize = 4;
 /// How many pixels a tile's row may need: there is no more than 1 / [`super::FINER`] from post to post.
 const LENGTH: usize = TILE_CELLS as usize * 3 / 2 + 2 * TAPS;
 
-/// Catmull and Rom's weights of the pixels around a place that lies such a `share` of the way from the
-/// second to the third.
-fn weights(share: f32) -> [f32; TAPS] {
-    let t = share;
+/// How much the pixels around a place count that lies such a part of the way from the second to the third.
+pub(super) type Weights = fn(f32) -> [f32; TAPS];
+
+/// Those of the photograph itself, which is linear between pixels.
+pub(super) fn linear(part: f32) -> [f32; TAPS] {
+    [0.0, 1.0 - part, part, 0.0]
+}
+
+/// Catmull and Rom's (1974).
+///
+/// Where posts lie about as far apart as pixels, but halfway between them, colours that are linear have lost
+/// all of the finest detail and a third of what is twice as coarse; a cubic keeps more of that.
+pub(super) fn cubic(part: f32) -> [f32; TAPS] {
+    let t = part;
     [
         0.5 * t * (t * (2.0 - t) - 1.0),
         0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
@@ -28,30 +38,29 @@ fn fraction(at: f64) -> f32 {
 
 /// Fills rows with a photograph's colours at the ground's posts, and with the ground's own where some of
 /// the pixels around them are missing.
-///
-/// Colours that are linear between pixels, seen halfway between these, have lost all of the finest
-/// detail and half of what is twice as coarse; a cubic through four pixels (Catmull and Rom 1974) keeps
-/// most of that.
 pub(super) fn resampled<'a>(
     ground: &'a Ground,
     photo: &'a Photo,
+    weights: Weights,
 ) -> impl Fn(u32, u32, &mut [[u8; 4]]) + Sync + 'a {
     let spacing = ground.grid().spacing;
-    let size = [photo.pixels.cols(), photo.pixels.rows()].map(i64::from);
+    let last = [photo.pixels.cols(), photo.pixels.rows()].map(|pixels| f64::from(pixels) - 0.5);
     move |row, col, into| {
         let place = |col: u32, row: u32| {
             let at = DVec2::new(f64::from(col), f64::from(row)) * spacing;
             (at, (at - photo.origin) / photo.spacing)
         };
-        let (_, first) = place(col, row);
+        let [first, end] = [col, col + into.len() as u32 - 1].map(|col| place(col, row).1);
         let (west, south) = (first.x.floor() as i64 - 1, first.y.floor() as i64 - 1);
-        let (_, last) = place(col + into.len() as u32 - 1, row);
-        let count = (last.x.floor() as i64 + 2 - west + 1) as usize;
+        let count = (end.x.floor() as i64 + 2 - west + 1) as usize;
         let mut pixels = [[0_u8; 4]; LENGTH];
         let mut sums = [[0.0_f32; 4]; LENGTH];
         // The least coverage in each column.
         let mut covered = [u8::MAX; LENGTH];
         for (at, weight) in (south..).zip(weights(fraction(first.y))) {
+            if weight == 0.0 {
+                continue;
+            }
             let pixels = &mut pixels[..count];
             photo.pixels.copy_row(west, at, pixels);
             for ((sum, covered), pixel) in sums.iter_mut().zip(&mut covered).zip(&*pixels) {
@@ -61,18 +70,23 @@ pub(super) fn resampled<'a>(
                 *covered = (*covered).min(pixel[3]);
             }
         }
+        let is_inside_row = (-0.5..=last[1]).contains(&first.y);
         for (col, to) in (col..).zip(into) {
             let (at, pixel) = place(col, row);
-            let from = (pixel.x.floor() as i64 - 1 - west) as usize;
-            let inside = (0..2).all(|axis| (-0.5..=size[axis] as f64 - 0.5).contains(&pixel[axis]));
-            let around = from..from + TAPS;
-            let [r, g, b] = if inside && covered[around.clone()].iter().all(|&least| least > 0) {
-                let weights = weights(fraction(pixel.x));
-                [0, 1, 2].map(|channel| {
-                    let parts = sums[around.clone()].iter().zip(weights);
-                    let sum: f32 = parts.map(|(sum, weight)| sum[channel] * weight).sum();
-                    (sum + 0.5) as u8
-                })
+            let from = pixel.x.floor();
+            let weights = weights((pixel.x - from) as f32);
+            let around = (from as i64 - 1 - west) as usize..;
+            let (sums, covered) = (&sums[around.clone()][..TAPS], &covered[around][..TAPS]);
+            let is_missing = |(&weight, &least): (&f32, &u8)| weight != 0.0 && least == 0;
+            let is_inside = is_inside_row && (-0.5..=last[0]).contains(&pixel.x);
+            let [r, g, b] = if is_inside && !weights.iter().zip(covered).any(is_missing) {
+                let mut colour = [0.5; 3];
+                for (sum, weight) in sums.iter().zip(weights) {
+                    for (channel, sum) in colour.iter_mut().zip(sum) {
+                        *channel += sum * weight;
+                    }
+                }
+                colour.map(|channel| channel as u8)
             } else {
                 ground.colour_at(at.x, at.y)
             };

@@ -3,6 +3,7 @@
 use super::{Grid, Ground, tile_range};
 use crate::{TILE_CELLS, TileIndex, TiledRaster};
 use bytemuck::Zeroable;
+use rayon::prelude::*;
 
 impl Ground {
     /// The same ground with `times` by `times` cells for each of its own: its heights are those of the
@@ -21,8 +22,9 @@ impl Ground {
         };
         let Grid { cols, rows, .. } = grid;
         let heights = TiledRaster::from_rows(cols, rows, lines(&self.heights, times, height));
-        let tile_ranges = heights
-            .tile_indices()
+        let tiles: Vec<_> = heights.tile_indices().collect();
+        let tile_ranges = tiles
+            .into_par_iter()
             .map(|tile| range_of(&heights, tile))
             .collect();
         let light = self.light.as_ref();
@@ -103,6 +105,9 @@ fn lines<T: Copy + Send + Sync + Zeroable + Into<f64>>(
     rounded: fn(f64) -> T,
 ) -> impl Fn(u32, u32, &mut [T]) {
     const LENGTH: usize = TILE_CELLS as usize + 2;
+    let shares: Vec<f64> = (0..times)
+        .map(|part| f64::from(part) / f64::from(times))
+        .collect();
     move |row, col, into| {
         let (first, last) = (col / times, (col + into.len() as u32 - 1) / times + 1);
         let mut posts = [[T::zeroed(); LENGTH]; 2];
@@ -112,16 +117,20 @@ fn lines<T: Copy + Send + Sync + Zeroable + Into<f64>>(
         let at = i64::from(row / times);
         coarse.copy_row(i64::from(first), at, south);
         coarse.copy_row(i64::from(first), at + 1, north);
-        let share = |at: u32| f64::from(at % times) / f64::from(times);
-        let up = share(row);
-        let along = |at: u32| {
-            let (south, north): (f64, f64) = (south[at as usize].into(), north[at as usize].into());
+        let up = shares[(row % times) as usize];
+        let mut along = south.iter().zip(&*north).map(|(&south, &north)| {
+            let (south, north): (f64, f64) = (south.into(), north.into());
             south + (north - south) * up
-        };
-        for (col, to) in (col..).zip(into) {
-            let (cell, east) = (col / times - first, share(col));
-            let [from, to_east] = [along(cell), along(cell + 1)];
-            *to = rounded(from + (to_east - from) * east);
+        });
+        let mut rest = into;
+        let mut parts = &shares[(col % times) as usize..];
+        let mut from = along.next();
+        while let (Some(west), Some(east)) = (from, along.next()) {
+            let (cell, beyond) = rest.split_at_mut(parts.len().min(rest.len()));
+            for (to, part) in cell.iter_mut().zip(parts) {
+                *to = rounded(west + (east - west) * part);
+            }
+            (rest, parts, from) = (beyond, &shares, Some(east));
         }
     }
 }

@@ -11,8 +11,8 @@ use crate::planes::profile::{Mark, parts_between, passed};
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
 pub(super) const PLANES: usize = 2 * LANES;
 
-/// How many cells of the finest level a pixel may cover before the next one is taken; of the others
-/// it is two. Where pixels are hardly wider than posts, these are nearer to the truth than anything
+/// How many cells of the native level, and of finer ones, a pixel may cover before the next one is taken; of
+/// the others it is two. Where pixels are hardly wider than posts, these are nearer to the truth than anything
 /// that is made of them.
 const FINEST: f32 = 2.6;
 
@@ -35,6 +35,7 @@ struct Resolution {
     /// Pixels to a cell, at most, and how wide a pixel is for each 1 of t, times that.
     cell: f64,
     width: f32,
+    native: usize,
     coarsest: usize,
     level: usize,
     /// Whether profiles are bent between lines.
@@ -49,11 +50,9 @@ impl Resolution {
     /// Takes what suits at t, but nothing finer than before. Gives whether it is another level.
     fn suit(&mut self, t: f32) -> bool {
         let covered = t * self.width;
-        let level = if covered < FINEST {
-            0
-        } else {
-            (((covered.to_bits() >> 23) - 127) as usize).min(self.coarsest)
-        };
+        let finer = (0..=self.native).find(|&level| covered < up_to(level));
+        let level = finer
+            .unwrap_or_else(|| (((covered.to_bits() >> 23) - 127) as usize).min(self.coarsest));
         self.is_bent &= covered < BENT;
         let coarser = level > self.level;
         self.level = self.level.max(level);
@@ -66,12 +65,18 @@ impl Resolution {
             BENT / self.width
         } else if self.level == self.coarsest {
             f32::INFINITY
-        } else if self.level == 0 {
-            FINEST / self.width
+        } else if self.level <= self.native {
+            up_to(self.level) / self.width
         } else {
             (2 << self.level) as f32 / self.width
         }
     }
+}
+
+/// How many cells of the finest level a pixel may cover before a level is left that is no coarser than the native
+/// one.
+fn up_to(level: usize) -> f32 {
+    FINEST * (1 << level) as f32
 }
 
 /// How far planes have been led.
@@ -174,6 +179,7 @@ impl<L: Lanes> March<'_, L> {
             plane,
             cell,
             width,
+            native: self.frame.detail.as_ref().map_or(0, |detail| detail.native),
             coarsest: self.fields.len() - 1,
             level: 0,
             is_bent: true,
