@@ -1,9 +1,9 @@
 //! Terrains, and views of them, that casters are measured on.
 //!
-//! `tN` is the fractal terrain of N by N posts a metre apart, and `tNxK` its photograph over every
-//! K-th of them; the others are real. The environment
-//! chooses: `SANDTABLE_BENCH_SCENES` names scenes (`t512,pyrenees`), `SANDTABLE_BENCH_LARGE=1` adds
-//! t16384, and `SANDTABLE_PEERS` is a folder that has the fractal terrains as raw files.
+//! `tN` is the fractal terrain of N by N posts a metre apart, and `tNxK` its photograph over means of
+//! K by K of them; the others are real. The environment chooses: `SANDTABLE_BENCH_SCENES` names scenes
+//! (`t512,pyrenees`), `SANDTABLE_BENCH_LARGE=1` adds t16384, and `SANDTABLE_PEERS` is a folder that has
+//! the fractal terrains as raw files.
 
 mod fractal;
 mod noise;
@@ -73,7 +73,7 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
         .map(|sizes| sizes.split_once('x').unwrap_or((sizes, "1")));
     let fractal = fractal.and_then(|(side, times)| Some((side.parse().ok()?, times.parse().ok()?)));
     if let Some((side, times)) = fractal {
-        let (mut ground, views) = match peers {
+        let (mut ground, mut views) = match peers {
             Some(folder) => raw::scene(folder, side)?,
             None => {
                 let ground = fractal::ground(side)?;
@@ -82,7 +82,7 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
             }
         };
         if times > 1 {
-            ground = thinned::thinned(&ground, times)?;
+            (ground, views) = thinned::thinned(&ground, times, views)?;
         }
         return Ok(Some(BenchScene::new(name, ground, views)));
     }
