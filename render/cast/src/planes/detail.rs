@@ -220,25 +220,23 @@ impl Detail {
     pub(super) fn widest_in_finest(&self) -> f64 {
         let most = self.lost.unwrap_or(MAGNIFIED);
         // From two of what is asked for to a cell on a ray changes to the next level.
-        most.min(2.0 / self.options.cell) / self.times()
+        most.min(2.0 / self.options.cell) / f64::from(self.times())
     }
 
     /// How many of the first level's cells lie side by side in one of the ground's.
-    fn times(&self) -> f64 {
-        self.refined
-            .as_ref()
-            .map_or(1.0, |refined| f64::from(refined.times))
+    fn times(&self) -> u32 {
+        self.refined.as_ref().map_or(1, |refined| refined.times)
     }
 
     /// For rays over the levels, if the ground `coarsens`, or else over its own cells.
     pub(super) fn frame(&self, coarsens: bool) -> DetailFrame<'_> {
-        let cells = if coarsens { self.times() } else { 1.0 };
-        let texture = |texture, covers| TextureFrame::new(texture, cells, covers);
+        let times = if coarsens { self.times() } else { 1 };
+        let texture = |texture, covers| TextureFrame::new(texture, f64::from(times), covers);
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
             far: self.lost.map_or(NEAR, |lost| lost as f32),
-            native: self.refined.as_ref().map_or(0, |refined| refined.native),
+            native: times.ilog2() as usize,
             photo: self
                 .photo
                 .as_ref()
@@ -256,7 +254,7 @@ pub(super) struct DetailFrame<'a> {
     pub(super) blur: f32,
     /// How many posts a pixel covers, about, from which on it may lie between planes.
     pub(super) far: f32,
-    /// The first level that is no finer than what it was made of: posts, and the photo's pixels.
+    /// The level that has the ground's own posts.
     pub(super) native: usize,
     pub(super) photo: Option<TextureFrame<'a>>,
     pub(super) tints: Option<TextureFrame<'a>>,

@@ -74,10 +74,8 @@ pub(super) fn lost_photo(ground: &Ground) -> Option<f64> {
 /// The same ground with about a post for each pixel of a photo that is finer than its own posts.
 pub(super) struct Refined {
     pub(super) ground: Ground,
-    /// How many of its cells lie side by side in one of the ground's.
+    /// How many of its cells lie side by side in one of the ground's: a power of two.
     pub(super) times: u32,
-    /// The level whose posts lie about as far apart as the photo's pixels.
-    pub(super) native: usize,
     roofs: Roofs,
     steepness: Steepness,
 }
@@ -85,14 +83,13 @@ pub(super) struct Refined {
 impl Refined {
     /// Of a ground whose photo is finer.
     pub(super) fn new(ground: &Ground) -> Option<Self> {
-        let (times, native) = times(ground)?;
+        let times = times(ground)?;
         let ground = ground.refined(times);
         Some(Self {
             roofs: Roofs::new(ground.heights()),
             steepness: Steepness::new(ground.heights()),
             ground,
             times,
-            native,
         })
     }
 
@@ -102,7 +99,6 @@ impl Refined {
         let (ground, changed) = self.ground.refined_again(ground, self.times, changed);
         let refined = Self {
             times: self.times,
-            native: self.native,
             roofs: self.roofs.updated(ground.heights(), &changed),
             steepness: self.steepness.updated(ground.heights(), &changed),
             ground,
@@ -115,12 +111,11 @@ impl Refined {
     }
 }
 
-/// How many times as close posts are to be, if at all, and the level whose posts lie about as far apart as the
-/// photo's pixels.
+/// How many times as close posts are to be, if at all.
 ///
 /// Powers of two, so that the ground's own posts are one of the levels: else tips of spikes, which are many pixels
 /// wide where these suit, lay between the posts of all of them.
-fn times(ground: &Ground) -> Option<(u32, usize)> {
+fn times(ground: &Ground) -> Option<u32> {
     let (photo, spacing) = (ground.photo()?, lost_photo(ground)?);
     let a_pixel = doubled_while(1, |times| f64::from(times) * spacing < FINER);
     // Files whose pixels are areas put them there, where there is an even number of them to a post; and so do
@@ -128,11 +123,11 @@ fn times(ground: &Ground) -> Option<(u32, usize)> {
     let is_halfway =
         !is_on_posts(photo, ground, a_pixel) && is_on_posts(photo, ground, 2 * a_pixel);
     if is_halfway && 2 * a_pixel <= MOST_TWICE.times(photo, ground) {
-        return Some((2 * a_pixel, 1));
+        return Some(2 * a_pixel);
     }
     let most = MOST.times(photo, ground);
     let times = doubled_while(1, |times| times < a_pixel && 2 * times <= most);
-    (times > 1).then_some((times, 0))
+    (times > 1).then_some(times)
 }
 
 fn doubled_while(mut times: u32, is_too_few: impl Fn(u32) -> bool) -> u32 {
@@ -186,19 +181,19 @@ mod tests {
         };
         assert_eq!(under(101, 81, 30.0, 0.0), None);
         assert_eq!(under(120, 100, 24.0, 0.0), None);
-        assert_eq!(under(150, 120, 20.0, 0.0), Some((2, 0)));
-        assert_eq!(under(301, 241, 10.0, 0.0), Some((4, 0)));
-        assert_eq!(under(404, 324, 7.5, 0.0), Some((4, 0)));
-        assert_eq!(under(970, 780, 3.1, 0.0), Some((8, 0)));
+        assert_eq!(under(150, 120, 20.0, 0.0), Some(2));
+        assert_eq!(under(301, 241, 10.0, 0.0), Some(4));
+        assert_eq!(under(404, 324, 7.5, 0.0), Some(4));
+        assert_eq!(under(970, 780, 3.1, 0.0), Some(8));
         // Areas of 7.5 m and of 15 m within those of 30 m; and of 30 m, around points.
-        assert_eq!(under(404, 324, 7.5, -11.25), Some((8, 1)));
-        assert_eq!(under(202, 162, 15.0, -7.5), Some((4, 1)));
-        assert_eq!(under(100, 80, 30.0, 15.0), Some((2, 1)));
+        assert_eq!(under(404, 324, 7.5, -11.25), Some(8));
+        assert_eq!(under(202, 162, 15.0, -7.5), Some(4));
+        assert_eq!(under(100, 80, 30.0, 15.0), Some(2));
         // Between posts, but not halfway.
-        assert_eq!(under(202, 162, 15.0, -4.0), Some((2, 0)));
+        assert_eq!(under(202, 162, 15.0, -4.0), Some(2));
         assert_eq!(under(100, 80, 30.0, 10.0), None);
         // A tenth of the ground, and a corner of it.
-        assert_eq!(under(320, 240, 3.1, 0.0), Some((4, 0)));
+        assert_eq!(under(320, 240, 3.1, 0.0), Some(4));
         assert_eq!(under(80, 60, 3.1, 0.0), None);
     }
 }

@@ -11,8 +11,8 @@ use crate::planes::profile::{Mark, parts_between, passed};
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
 pub(super) const PLANES: usize = 2 * LANES;
 
-/// How many cells of the native level, and of finer ones, a pixel may cover before the next one is taken; of
-/// the others it is two. Where pixels are hardly wider than posts, these are nearer to the truth than anything
+/// How many cells of the ground's own level, and of finer ones, a pixel may cover before the next one is taken; of
+/// coarser ones it is two. Where pixels are hardly wider than posts, these are nearer to the truth than anything
 /// that is made of them.
 const FINEST: f32 = 2.6;
 
@@ -73,8 +73,8 @@ impl Resolution {
     }
 }
 
-/// How many cells of the finest level a pixel may cover before a level is left that is no coarser than the native
-/// one.
+/// How many cells of the finest level a pixel may cover before a level is left that is no coarser than the ground's
+/// own.
 fn up_to(level: usize) -> f32 {
     FINEST * (1 << level) as f32
 }
@@ -179,7 +179,7 @@ impl<L: Lanes> March<'_, L> {
             plane,
             cell,
             width,
-            native: self.frame.detail.as_ref().map_or(0, |detail| detail.native),
+            native: self.native,
             coarsest: self.fields.len() - 1,
             level: 0,
             is_bent: true,
