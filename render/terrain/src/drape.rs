@@ -102,6 +102,14 @@ impl Drape {
     /// left the range of heights as it was. Tiles out of its reach are shared with `self`.
     #[must_use]
     pub fn updated(&self, before: &Ground, ground: &Ground, changed: &[TileIndex]) -> Self {
+        // Where a photograph covers all ground, no colour comes from heights.
+        let photos = before.photo().zip(ground.photo());
+        if before.light().is_none()
+            && ground.light().is_none()
+            && photos.is_some_and(|(before, photo)| before.is_same(photo))
+        {
+            return self.clone();
+        }
         let old = &self.levels[0];
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),

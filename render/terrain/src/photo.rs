@@ -29,6 +29,13 @@ impl Photo {
             })
     }
 
+    /// Whether both are the same picture in the same place, between which nothing was changed.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.pixels.is_same(&other.pixels)
+            && (self.origin, self.spacing) == (other.origin, other.spacing)
+    }
+
     /// The bilinear colour at world `(x, y)`, or `None` off the photograph or beside a missing
     /// pixel. The outer half pixel belongs to the photograph.
     #[inline]

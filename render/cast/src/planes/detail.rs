@@ -142,10 +142,7 @@ impl Detail {
     /// After an edit of `before` that made `ground` of it, in the tiles `changed`.
     pub(super) fn updated(&self, before: &Ground, ground: &Ground, changed: &[TileIndex]) -> Self {
         let same_photo = match (before.photo(), ground.photo()) {
-            (Some(before), Some(photo)) => {
-                before.pixels.is_same(&photo.pixels)
-                    && (before.origin, before.spacing) == (photo.origin, photo.spacing)
-            }
+            (Some(before), Some(photo)) => before.is_same(photo),
             (before, photo) => before.is_none() && photo.is_none(),
         };
         // A wider range of heights gives all heights other tints.

@@ -117,24 +117,23 @@ impl Refined {
 /// wide where these suit, lay between the posts of all of them.
 fn times(ground: &Ground) -> Option<u32> {
     let (photo, spacing) = (ground.photo()?, lost_photo(ground)?);
-    let a_pixel = doubled_while(1, |times| f64::from(times) * spacing < FINER);
+    let doubled_up_to = |most: u32| {
+        let mut times = 1;
+        while f64::from(times) * spacing < FINER && 2 * times <= most {
+            times *= 2;
+        }
+        times
+    };
     // Files whose pixels are areas put them there, where there is an even number of them to a post; and so do
     // any with heights at points.
-    let is_halfway =
-        !is_on_posts(photo, ground, a_pixel) && is_on_posts(photo, ground, 2 * a_pixel);
-    if is_halfway && 2 * a_pixel <= MOST_TWICE.times(photo, ground) {
-        return Some(2 * a_pixel);
-    }
-    let most = MOST.times(photo, ground);
-    let times = doubled_while(1, |times| times < a_pixel && 2 * times <= most);
+    let twice = 2 * doubled_up_to(MOST_TWICE.times(photo, ground) / 2);
+    let is_halfway = !is_on_posts(photo, ground, twice / 2) && is_on_posts(photo, ground, twice);
+    let times = if is_halfway && twice <= MOST_TWICE.times(photo, ground) {
+        twice
+    } else {
+        doubled_up_to(MOST.times(photo, ground))
+    };
     (times > 1).then_some(times)
-}
-
-fn doubled_while(mut times: u32, is_too_few: impl Fn(u32) -> bool) -> u32 {
-    while is_too_few(times) {
-        times *= 2;
-    }
-    times
 }
 
 #[cfg(test)]
@@ -195,5 +194,6 @@ mod tests {
         // A tenth of the ground, and a corner of it.
         assert_eq!(under(320, 240, 3.1, 0.0), Some(4));
         assert_eq!(under(80, 60, 3.1, 0.0), None);
+        assert_eq!(under(80, 60, 1e-300, 0.0), None);
     }
 }

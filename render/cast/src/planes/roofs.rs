@@ -56,18 +56,27 @@ impl Roofs {
 
     /// With the `changed` tiles made anew, and the rest shared.
     pub(super) fn updated(&self, heights: &TiledRaster<f32>, changed: &[TileIndex]) -> Self {
-        let mut result = self.clone();
         let across = heights.tiles_across();
-        for &index in changed {
-            let slot = (index.row * across + index.col) as usize;
-            if slot >= result.tiles.len() {
-                continue;
-            }
-            let Some(mut roofs) = self.slab.take() else {
-                return Self::new(heights);
-            };
-            fill(heights, index, roofs.items_mut());
-            result.tiles[slot] = Arc::new(roofs);
+        let places: Vec<_> = changed
+            .iter()
+            .map(|&index| ((index.row * across + index.col) as usize, index))
+            .filter(|&(slot, _)| slot < self.tiles.len())
+            .collect();
+        let free: Vec<_> = places.iter().map_while(|_| self.slab.take()).collect();
+        if free.len() < places.len() {
+            return Self::new(heights);
+        }
+        let renewed: Vec<_> = places
+            .into_par_iter()
+            .zip(free)
+            .map(|((slot, index), mut roofs)| {
+                fill(heights, index, roofs.items_mut());
+                (slot, Arc::new(roofs))
+            })
+            .collect();
+        let mut result = self.clone();
+        for (slot, roofs) in renewed {
+            result.tiles[slot] = roofs;
         }
         result
     }
