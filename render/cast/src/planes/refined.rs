@@ -19,7 +19,7 @@ const BESIDE: f64 = 0.02;
 /// How many posts there may be, and for each of the photo's pixels: there are more than one where it covers
 /// less than all of the ground. With their colours and what is made of them they take some 12 bytes each.
 const MOST: Room = Room {
-    posts: (1 << 28) as f64,
+    posts: (1 << 27) as f64,
     a_pixel: 4.0,
 };
 
