@@ -71,7 +71,7 @@ pub(super) fn lost_photo(ground: &Ground) -> Option<f64> {
     is_lost.then_some(spacing)
 }
 
-/// The same ground with about a post for each pixel of a photo that is finer than its own posts.
+/// The same ground with a post for each pixel of a photo whose pixels lie between its own posts.
 pub(super) struct Refined {
     pub(super) ground: Ground,
     /// How many of its cells lie side by side in one of the ground's: a power of two.
@@ -81,7 +81,7 @@ pub(super) struct Refined {
 }
 
 impl Refined {
-    /// Of a ground whose photo is finer.
+    /// Of a ground for whose photo there are posts to be had.
     pub(super) fn new(ground: &Ground) -> Option<Self> {
         let times = times(ground)?;
         let ground = ground.refined(times);
@@ -111,29 +111,25 @@ impl Refined {
     }
 }
 
-/// How many times as close posts are to be, if at all.
+/// How many times as close posts are to be, if that puts the photo's pixels on posts.
 ///
 /// Powers of two, so that the ground's own posts are one of the levels: else tips of spikes, which are many pixels
 /// wide where these suit, lay between the posts of all of them.
 fn times(ground: &Ground) -> Option<u32> {
     let (photo, spacing) = (ground.photo()?, lost_photo(ground)?);
-    let doubled_up_to = |most: u32| {
-        let mut times = 1;
-        while f64::from(times) * spacing < FINER && 2 * times <= most {
-            times *= 2;
-        }
-        times
-    };
-    // Files whose pixels are areas put them there, where there is an even number of them to a post; and so do
-    // any with heights at points.
-    let twice = 2 * doubled_up_to(MOST_TWICE.times(photo, ground) / 2);
-    let is_halfway = !is_on_posts(photo, ground, twice / 2) && is_on_posts(photo, ground, twice);
-    let times = if is_halfway && twice <= MOST_TWICE.times(photo, ground) {
-        twice
-    } else {
-        doubled_up_to(MOST.times(photo, ground))
-    };
-    (times > 1).then_some(times)
+    let most = MOST.times(photo, ground);
+    let mut times = 1;
+    while f64::from(times) * spacing < FINER && times <= most {
+        times *= 2;
+    }
+    if times > 1 && times <= most && is_on_posts(photo, ground, times) {
+        return Some(times);
+    }
+    // Files whose pixels are areas put them halfway between, where there is an even number of them to a post;
+    // and so do any with heights at points.
+    let twice = 2 * times;
+    let is_halfway = twice <= MOST_TWICE.times(photo, ground) && is_on_posts(photo, ground, twice);
+    is_halfway.then_some(twice)
 }
 
 #[cfg(test)]
@@ -166,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn ground_gets_a_post_a_pixel_where_its_photo_is_finer_and_not_much_more() {
+    fn ground_is_refined_where_that_puts_pixels_on_posts_and_not_for_a_few_pixels() {
         let ground = Ground::from_fn(101, 81, DVec2::splat(30.0), |col, row| (col + row) as f32);
         let ground = ground.expect("a sound grid");
         assert_eq!(times(&ground), None);
@@ -180,20 +176,19 @@ mod tests {
         };
         assert_eq!(under(101, 81, 30.0, 0.0), None);
         assert_eq!(under(120, 100, 24.0, 0.0), None);
-        assert_eq!(under(150, 120, 20.0, 0.0), Some(2));
-        assert_eq!(under(301, 241, 10.0, 0.0), Some(4));
+        assert_eq!(under(202, 162, 15.0, 0.0), Some(2));
         assert_eq!(under(404, 324, 7.5, 0.0), Some(4));
-        assert_eq!(under(970, 780, 3.1, 0.0), Some(8));
         // Areas of 7.5 m and of 15 m within those of 30 m; and of 30 m, around points.
         assert_eq!(under(404, 324, 7.5, -11.25), Some(8));
         assert_eq!(under(202, 162, 15.0, -7.5), Some(4));
         assert_eq!(under(100, 80, 30.0, 15.0), Some(2));
-        // Between posts, but not halfway.
-        assert_eq!(under(202, 162, 15.0, -4.0), Some(2));
+        // Between posts, but not halfway, or three to a post.
+        assert_eq!(under(202, 162, 15.0, -4.0), None);
         assert_eq!(under(100, 80, 30.0, 10.0), None);
-        // A tenth of the ground, and a corner of it.
-        assert_eq!(under(320, 240, 3.1, 0.0), Some(4));
-        assert_eq!(under(80, 60, 3.1, 0.0), None);
+        assert_eq!(under(301, 241, 10.0, 0.0), None);
+        // A quarter of the ground, and a corner of it.
+        assert_eq!(under(202, 162, 7.5, 0.0), Some(4));
+        assert_eq!(under(80, 60, 3.75, 0.0), None);
         assert_eq!(under(80, 60, 1e-300, 0.0), None);
     }
 }

@@ -57,8 +57,6 @@ struct March<'a, L: Lanes> {
     /// Metres a cell of the ground, along the minor axis, that each of its resolutions is steep at
     /// most.
     steepest: Vec<f64>,
-    /// The level that has the ground's own posts.
-    native: usize,
     /// Where the ground begins and ends, in cells from the eye along major and minor axis.
     bounds: [[f32; 2]; 2],
     /// The slope, metres for each 1 of t, of rays that cannot be told from one straight down.
@@ -238,7 +236,6 @@ impl<'a, L: Lanes> March<'a, L> {
             directions: Directions::new(frame, sector),
             vertical,
             steepest,
-            native: frame.detail.as_ref().map_or(0, |detail| detail.native),
             bounds,
             straight_down: -STRAIGHT_DOWN * spacing[sector.major] as f32,
         }

@@ -265,9 +265,7 @@ impl<L: Lanes> March<'_, L> {
             return;
         };
         let coarsest = self.fields.len() as i32 - 1;
-        // The ground's own cells are the same surface as finer ones.
-        let least = l.splat((1 << self.native) as f32);
-        let covered = l.max(l.mul(start, width), least);
+        let covered = l.max(l.mul(start, width), l.splat(1.0));
         let level = l.min_i(l.exponent(covered), l.splat_i(coarsest));
         let mut levels = [0; LANES];
         l.store_i(level, &mut levels);
