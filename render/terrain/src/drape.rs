@@ -253,6 +253,22 @@ mod tests {
     }
 
     #[test]
+    fn beside_a_photo_there_are_tints_however_far_away_it_lies() {
+        let tinted = hills(300, 270);
+        let tints = Drape::new(&tinted);
+        for at in [-1000.0, 1000.0, -1e300, f64::NEG_INFINITY, f64::NAN] {
+            for origin in [DVec2::new(at, 0.0), DVec2::new(0.0, at), DVec2::splat(at)] {
+                let photo = photo(DVec2::new(2.0, 3.0), [300, 270]);
+                let drape = Drape::new(&tinted.clone().with_photo(Photo { origin, ..photo }));
+                for (col, row) in [(0, 0), (299, 0), (0, 269), (299, 269)] {
+                    let [a, b] = [&drape, &tints].map(|drape| drape.levels()[0].post(col, row));
+                    assert_eq!(a, b, "{col}, {row} beside a photo at {origin}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn an_edit_is_followed_and_the_rest_shared() {
         let tinted = hills(1300, 600);
         let fine = photo(DVec2::ONE, [1000, 900]);

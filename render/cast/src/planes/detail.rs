@@ -61,7 +61,7 @@ impl DetailOptions {
 /// Ground and colours at all resolutions.
 pub(super) struct Detail {
     options: DetailOptions,
-    /// What levels begin with, where the photo is finer than the ground's posts.
+    /// What levels begin with, where that puts the photo's pixels on posts.
     refined: Option<Refined>,
     /// How many of the first level's posts pixels cover where planes see less of the photo than rays, at most.
     lost: Option<f64>,

@@ -1,4 +1,4 @@
-//! Ground at the resolution of its photo: planes see colours at posts.
+//! Ground with a post for each pixel of its photo: planes see colours at posts.
 
 use super::frame::Level;
 use super::roofs::Roofs;
@@ -16,8 +16,8 @@ const COARSER: f64 = 3.0;
 /// How far pixels may lie beside posts that they are on.
 const BESIDE: f64 = 0.02;
 
-/// How many posts there may be, and for each of the photo's pixels: there are more than one where it covers
-/// less than all of the ground. With their colours and what is made of them they take some 12 bytes each.
+/// Up to where ground is refined. There is more than a post to a pixel where the photo covers less than all of the
+/// ground. With their colours and what is made of them posts take some 12 bytes each.
 const MOST: Room = Room {
     posts: (1 << 27) as f64,
     a_pixel: 4.0,
@@ -29,7 +29,7 @@ const MOST_TWICE: Room = Room {
     a_pixel: 8.0,
 };
 
-/// How many posts there may be.
+/// How many posts there may be, and for each of the photo's pixels.
 struct Room {
     posts: f64,
     a_pixel: f64,

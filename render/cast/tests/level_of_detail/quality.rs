@@ -7,6 +7,12 @@ use glam::{DVec2, DVec3};
 use sandtable_cast::{Planes, Scene, standpoints};
 use sandtable_terrain::Photo;
 
+/// A place so many metres over the ground.
+fn over(scene: &Scene, x: f64, y: f64, height: f64) -> DVec3 {
+    let ground = scene.ground.height_at(x, y).expect("on the ground");
+    DVec3::new(x, y, ground + height)
+}
+
 /// A photo whose pixels lie so many metres apart, none of them on a post: where they are larger than the
 /// image's, rays look at them one by one.
 fn between_posts(spacing: f64) -> Photo {
@@ -75,13 +81,9 @@ fn finer_photos_are_seen_with_all_that_is_in_them() {
 #[test]
 fn pixels_that_cover_little_are_no_worse() {
     let scene = Scene::new(mountains().with_photo(between_posts(0.5)));
-    let over = |x: f64, y: f64, height: f64| {
-        let ground = scene.ground.height_at(x, y).expect("on the ground");
-        DVec3::new(x, y, ground + height)
-    };
     for (k, view) in [
-        camera(over(200.0, 200.0, 12.0), -1.4, [200, 150]),
-        camera(over(320.0, 210.0, 3.0), -0.6, [400, 300]),
+        camera(over(&scene, 200.0, 200.0, 12.0), -1.4, [200, 150]),
+        camera(over(&scene, 320.0, 210.0, 3.0), -0.6, [400, 300]),
     ]
     .into_iter()
     .enumerate()
@@ -97,14 +99,16 @@ fn pixels_that_cover_little_are_no_worse() {
 #[test]
 fn narrow_pixels_see_the_ground_exactly() {
     let scene = Scene::new(mountains().with_photo(between_posts(1.0)));
-    let over = |x: f64, y: f64, height: f64| {
-        let ground = scene.ground.height_at(x, y).expect("on the ground");
-        DVec3::new(x, y, ground + height)
-    };
     let close = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [1600, 1000]);
     for (view, all_magnified) in [
-        (camera(over(320.0, 210.0, 30.0), -1.4, [320, 240]), true),
-        (camera(over(200.0, 300.0, 9.0), -0.9, [400, 300]), true),
+        (
+            camera(over(&scene, 320.0, 210.0, 30.0), -1.4, [320, 240]),
+            true,
+        ),
+        (
+            camera(over(&scene, 200.0, 300.0, 9.0), -0.9, [400, 300]),
+            true,
+        ),
         (close, false),
     ] {
         let [exact, detail] =

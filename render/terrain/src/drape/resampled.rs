@@ -46,18 +46,27 @@ pub(super) fn resampled<'a>(
     let spacing = ground.grid().spacing;
     let last = [photo.pixels.cols(), photo.pixels.rows()].map(|pixels| f64::from(pixels) - 0.5);
     move |row, col, into| {
-        let place = |col: u32, row: u32| {
+        let place = |col: u32| {
             let at = DVec2::new(f64::from(col), f64::from(row)) * spacing;
             (at, (at - photo.origin) / photo.spacing)
         };
-        let [first, end] = [col, col + into.len() as u32 - 1].map(|col| place(col, row).1);
-        let (west, south) = (first.x.floor() as i64 - 1, first.y.floor() as i64 - 1);
-        let count = (end.x.floor() as i64 + 2 - west + 1) as usize;
+        // Far beside the photograph no pixel is asked for.
+        let [first, end] = [col, col + into.len() as u32 - 1].map(|col| place(col).1);
+        let west = first.x.floor().max(-1.0).min(last[0]) as i64 - 1;
+        let east = end.x.floor().max(-1.0).min(last[0]) as i64 + 2;
+        let is_inside_row = (-0.5..=last[1]).contains(&first.y);
+        let rows = if is_inside_row {
+            weights(fraction(first.y))
+        } else {
+            [0.0; TAPS]
+        };
+        let south = first.y.floor().max(-1.0).min(last[1]) as i64 - 1;
+        let count = (east - west + 1) as usize;
         let mut pixels = [[0_u8; 4]; LENGTH];
         let mut sums = [[0.0_f32; 4]; LENGTH];
         // The least coverage in each column.
         let mut covered = [u8::MAX; LENGTH];
-        for (at, weight) in (south..).zip(weights(fraction(first.y))) {
+        for (at, weight) in (south..).zip(rows) {
             if weight == 0.0 {
                 continue;
             }
@@ -70,26 +79,26 @@ pub(super) fn resampled<'a>(
                 *covered = (*covered).min(pixel[3]);
             }
         }
-        let is_inside_row = (-0.5..=last[1]).contains(&first.y);
         for (col, to) in (col..).zip(into) {
-            let (at, pixel) = place(col, row);
-            let from = pixel.x.floor();
-            let weights = weights((pixel.x - from) as f32);
-            let around = (from as i64 - 1 - west) as usize..;
-            let (sums, covered) = (&sums[around.clone()][..TAPS], &covered[around][..TAPS]);
-            let is_missing = |(&weight, &least): (&f32, &u8)| weight != 0.0 && least == 0;
+            let (at, pixel) = place(col);
             let is_inside = is_inside_row && (-0.5..=last[0]).contains(&pixel.x);
-            let [r, g, b] = if is_inside && !weights.iter().zip(covered).any(is_missing) {
+            let of_photo = is_inside.then(|| {
+                let from = (pixel.x.floor() as i64 - 1 - west) as usize;
+                let weights = weights(fraction(pixel.x));
+                let (sums, covered) = (&sums[from..][..TAPS], &covered[from..][..TAPS]);
+                let is_missing = |(&weight, &least): (&f32, &u8)| weight != 0.0 && least == 0;
                 let mut colour = [0.5; 3];
                 for (sum, weight) in sums.iter().zip(weights) {
                     for (channel, sum) in colour.iter_mut().zip(sum) {
                         *channel += sum * weight;
                     }
                 }
-                colour.map(|channel| channel as u8)
-            } else {
-                ground.colour_at(at.x, at.y)
-            };
+                let is_whole = !weights.iter().zip(covered).any(is_missing);
+                is_whole.then(|| colour.map(|channel| channel as u8))
+            });
+            let [r, g, b] = of_photo
+                .flatten()
+                .unwrap_or_else(|| ground.colour_at(at.x, at.y));
             *to = [r, g, b, 255];
         }
     }
