@@ -46,8 +46,9 @@ const FINER: [Pixels; 2] = [
     },
 ];
 
-/// The same under finer pictures: tall boxes, whose ground was taken at too coarse a level.
-const HARD_FINER: [u64; 2] = [457, 772];
+/// The same under finer pictures: rays beside the border that went on behind it, and tall boxes, whose ground was
+/// taken at too coarse a level.
+const HARD_FINER: [u64; 3] = [200, 457, 772];
 
 /// How many posts a ground has at most that is looked at under finer pictures.
 const SMALL: u64 = 1 << 19;

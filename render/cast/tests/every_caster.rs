@@ -190,8 +190,24 @@ fn a_scene_updated_after_an_edit_equals_one_prepared_anew() {
 
 #[test]
 fn degenerate_ground_is_cast() {
+    let slope = |x, y| 0.3 * x - 0.2 * y;
+    let tiny = ground(2, 2, slope);
+    let extent = tiny.grid().extent();
+    let finer = |pixels: u32| Photo {
+        pixels: TiledRaster::from_fn(pixels, pixels, |col, row| [col as u8, row as u8, 7, 255]),
+        origin: 0.5 * extent / f64::from(pixels),
+        spacing: extent / f64::from(pixels),
+    };
     let grounds = [
-        ("two by two posts", scene(2, 2, |x, y| 0.3 * x - 0.2 * y)),
+        ("two by two posts", scene(2, 2, slope)),
+        (
+            "two by two posts under as many pixels",
+            Scene::new(tiny.clone().with_photo(finer(2))),
+        ),
+        (
+            "two by two posts under many pixels",
+            Scene::new(tiny.clone().with_photo(finer(7))),
+        ),
         ("a plane", scene(40, 30, |_, _| 25.0)),
         (
             "a spike",

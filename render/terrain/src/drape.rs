@@ -1,8 +1,10 @@
 //! The ground's colours, a pixel a post, at halved and halved again resolution.
 
+mod kernel;
 mod resampled;
 
-use self::resampled::{Weights, cubic, linear, resampled};
+use self::kernel::Kernel;
+use self::resampled::resampled;
 use crate::halving::coarser_size;
 use crate::{
     Ground, LinearLight, Photo, TILE_CELLS, TileIndex, TiledRaster, pre_texture,
@@ -28,7 +30,7 @@ pub struct Drape {
 const FINER: f64 = 0.75;
 
 /// As how many posts wide they count as coarser: then what is linear between them is so between posts.
-const COARSER: f64 = 1.5;
+const COARSER: f64 = 3.0;
 
 /// What the finest level is made of.
 enum Finest<'a> {
@@ -37,7 +39,7 @@ enum Finest<'a> {
     /// Means around the posts.
     Means,
     /// What the photograph has at the posts, between its pixels.
-    Between(&'a Photo, Weights),
+    Between(&'a Photo, [Kernel; 2]),
     /// The tints at the posts.
     Tints,
 }
@@ -46,7 +48,15 @@ impl<'a> Finest<'a> {
     fn of(ground: &'a Ground) -> Self {
         let grid = ground.grid();
         let is_finer = |photo: &Photo| (photo.spacing / grid.spacing).min_element() < FINER;
-        let is_as_fine = |photo: &Photo| (photo.spacing / grid.spacing).max_element() < COARSER;
+        let kernels = |photo: &Photo| {
+            (photo.spacing / grid.spacing).to_array().map(|spacing| {
+                if spacing < COARSER {
+                    Kernel::nearest(1.0 / spacing)
+                } else {
+                    Kernel::linear()
+                }
+            })
+        };
         let is_on_posts = |photo: &Photo| {
             photo.origin == DVec2::ZERO
                 && photo.spacing == grid.spacing
@@ -57,8 +67,7 @@ impl<'a> Finest<'a> {
                 Self::Pixels(&photo.pixels)
             }
             Some(photo) if is_finer(photo) => Self::Means,
-            Some(photo) if is_as_fine(photo) => Self::Between(photo, cubic),
-            Some(photo) => Self::Between(photo, linear),
+            Some(photo) => Self::Between(photo, kernels(photo)),
             None => Self::Tints,
         }
     }
@@ -83,8 +92,8 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture(ground),
-            Finest::Between(photo, weights) => {
-                TiledRaster::from_rows(grid.cols, grid.rows, resampled(ground, photo, weights))
+            Finest::Between(photo, kernels) => {
+                TiledRaster::from_rows(grid.cols, grid.rows, resampled(ground, photo, kernels))
             }
             Finest::Tints => TiledRaster::from_fn(grid.cols, grid.rows, tints(ground)),
         };
@@ -114,8 +123,8 @@ impl Drape {
         let finest = match Finest::of(ground) {
             Finest::Pixels(pixels) => pixels.clone(),
             Finest::Means => pre_texture_updated(old, before, ground, changed),
-            Finest::Between(photo, weights) => {
-                old.with_rows_renewed(changed, resampled(ground, photo, weights))
+            Finest::Between(photo, kernels) => {
+                old.with_rows_renewed(changed, resampled(ground, photo, kernels))
             }
             Finest::Tints => old.with_tiles_renewed(changed, tints(ground)),
         };
@@ -189,7 +198,7 @@ mod tests {
     #[test]
     fn levels_are_the_heights_and_colours_the_grounds() {
         let tinted = hills(301, 270);
-        let coarse = photo(DVec2::new(4.0, 4.0), [100, 100]);
+        let coarse = photo(DVec2::new(8.0, 12.0), [50, 50]);
         for ground in [tinted.clone(), tinted.clone().with_photo(coarse)] {
             let drape = Drape::new(&ground);
             let heights = HeightPyramid::new(ground.heights(), ground.range());
@@ -243,7 +252,7 @@ mod tests {
         let ground = hills(300, 270).with_photo(stripes);
         let drape = Drape::new(&ground);
         let finest = &drape.levels()[0];
-        for (col, expected) in [(101, 213), (102, 150), (103, 88), (104, 150)] {
+        for (col, expected) in [(101, 219), (102, 150), (103, 81), (104, 150)] {
             let [r, g, b, a] = finest.post(col, 60);
             assert_eq!([g, b, a], [77, r, 255]);
             assert_eq!(r, expected, "at {col}");

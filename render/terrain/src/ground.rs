@@ -172,15 +172,12 @@ impl Ground {
             })
             .collect::<Result<Vec<_>, _>>()?;
         let range = span(&tile_ranges);
-        let light = TiledRaster::from_fn(grid.cols, grid.rows, |col, row| {
-            light_at(&heights, spacing, col, row)
-        });
         Ok(Self {
+            light: Some(relief(&heights, spacing)),
             grid,
             heights,
             tile_ranges,
             range,
-            light: Some(light),
             photo: None,
             holes: None,
         })
@@ -202,12 +199,14 @@ impl Ground {
         Self::new(TiledRaster::from_fn(cols, rows, height), spacing)
     }
 
-    /// The ground with a photograph over it. Where that covers all of it, the shaded relief is
-    /// dropped, which nobody sees any more.
+    /// The ground with a photograph over it, in place of any that it has. Where that covers all of it, the
+    /// shaded relief is dropped, which nobody sees any more.
     #[must_use]
     pub fn with_photo(mut self, photo: Photo) -> Self {
         if photo.covers(self.grid.extent()) {
             self.light = None;
+        } else if self.light.is_none() {
+            self.light = Some(relief(&self.heights, self.grid.spacing));
         }
         self.photo = Some(photo);
         self
@@ -374,6 +373,13 @@ fn span(ranges: &[[f32; 2]]) -> [f32; 2] {
         })
 }
 
+/// The shaded relief of all posts.
+fn relief(heights: &TiledRaster<f32>, spacing: DVec2) -> TiledRaster<u8> {
+    TiledRaster::from_fn(heights.cols(), heights.rows(), |col, row| {
+        light_at(heights, spacing, col, row)
+    })
+}
+
 /// Shaded relief at a post, from central differences (one-sided at the border).
 fn light_at(heights: &TiledRaster<f32>, spacing: DVec2, col: u32, row: u32) -> u8 {
     let (west, east) = (col.saturating_sub(1), (col + 1).min(heights.cols() - 1));
@@ -420,6 +426,23 @@ mod tests {
         assert_eq!(ground.height_at(20.0, 40.0), Some(4.0));
         assert_eq!(ground.height_at(20.1, 0.0), None);
         assert_eq!(ground.range(), [0.0, 4.0]);
+    }
+
+    #[test]
+    fn a_smaller_photo_in_place_of_a_larger_one_leaves_tints_beside_it() {
+        let tinted = Ground::from_fn(9, 9, DVec2::ONE, |col, row| (col * row) as f32).unwrap();
+        let photo = |pixels: u32| Photo {
+            pixels: TiledRaster::from_fn(pixels, pixels, |_, _| [1, 2, 3, 255]),
+            origin: DVec2::ZERO,
+            spacing: DVec2::ONE,
+        };
+        let ground = tinted.clone().with_photo(photo(9));
+        assert!(ground.light().is_none());
+        let ground = ground.with_photo(photo(5));
+        assert_eq!(ground.colour_at(3.0, 3.0), [1, 2, 3]);
+        assert_eq!(ground.colour_at(7.0, 6.0), tinted.colour_at(7.0, 6.0));
+        let [a, b] = [&ground, &tinted].map(|ground| ground.light().unwrap());
+        assert_eq!(a.post(8, 7), b.post(8, 7));
     }
 
     #[test]

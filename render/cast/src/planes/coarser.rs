@@ -51,7 +51,7 @@ impl<'a> Coarser<'a> {
         }
         let half = l.splat(0.5);
         let t = l.mul(t, half);
-        let leave = l.mul(leave, half);
+        let leave = l.min(l.mul(leave, half), self.field.end(l, ray.inverse));
         // Rays that pass have come to where their resolution ends: in cells, each one's ends as far
         // away as the one's before.
         let leave = if self.is_last {

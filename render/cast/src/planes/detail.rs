@@ -2,7 +2,7 @@
 
 use super::field::Tiles;
 use super::frame::Level;
-use super::refined::{Refined, lost_photo};
+use super::refined::{BetterByRays, Refined, better_by_rays};
 use super::roofs::Roofs;
 use super::steepness::Steepness;
 use crate::CastError;
@@ -63,8 +63,8 @@ pub(super) struct Detail {
     options: DetailOptions,
     /// What levels begin with, where that puts the photo's pixels on posts.
     refined: Option<Refined>,
-    /// How many of the first level's posts pixels cover where planes see less of the photo than rays, at most.
-    lost: Option<f64>,
+    /// Where planes see less of the photo than rays, in the first level's posts.
+    by_rays: Option<BetterByRays>,
     heights: HeightPyramid,
     /// Of the levels of `heights` behind the first.
     bounds: Vec<(Roofs, Steepness)>,
@@ -124,7 +124,7 @@ impl Detail {
         let coarser = heights.levels()[1..].par_iter();
         Self {
             options,
-            lost: lost_photo(finest).map(|spacing| spacing.max(1.0)),
+            by_rays: better_by_rays(finest),
             bounds: coarser
                 .map(|heights| (Roofs::new(heights), Steepness::new(heights)))
                 .collect(),
@@ -167,7 +167,7 @@ impl Detail {
         let levels = self.bounds.iter().zip(&heights.levels()[1..]);
         Self {
             options: self.options,
-            lost: self.lost,
+            by_rays: self.by_rays,
             bounds: levels
                 .zip(&reached[1..])
                 .map(|(((roofs, steepness), heights), tiles)| {
@@ -215,7 +215,7 @@ impl Detail {
     /// How many of the ground's own posts pixels may cover up to which all rays go over its own
     /// resolution.
     pub(super) fn widest_in_finest(&self) -> f64 {
-        let most = self.lost.unwrap_or(MAGNIFIED);
+        let most = self.by_rays.map_or(MAGNIFIED, |by_rays| by_rays.all);
         // From two of what is asked for to a cell on a ray changes to the next level.
         most.min(2.0 / self.options.cell) / f64::from(self.times())
     }
@@ -232,8 +232,9 @@ impl Detail {
         DetailFrame {
             cell: self.options.cell as f32,
             blur: self.options.blur as f32,
-            far: self.lost.map_or(NEAR, |lost| lost as f32),
-            native: times.ilog2() as usize,
+            far: self.by_rays.map_or(NEAR, |by_rays| by_rays.near as f32),
+            // Of a small ground there is no coarser level.
+            native: (times.ilog2() as usize).min(self.heights.levels().len() - 1),
             photo: self
                 .photo
                 .as_ref()
@@ -251,7 +252,7 @@ pub(super) struct DetailFrame<'a> {
     pub(super) blur: f32,
     /// How many posts a pixel covers, about, from which on it may lie between planes.
     pub(super) far: f32,
-    /// The level that has the ground's own posts.
+    /// The level that has the ground's own posts, or the coarsest one where that has more.
     pub(super) native: usize,
     pub(super) photo: Option<TextureFrame<'a>>,
     pub(super) tints: Option<TextureFrame<'a>>,

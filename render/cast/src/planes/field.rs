@@ -258,11 +258,17 @@ impl<'a> Field<'a> {
         self.eye_height > self.highest
     }
 
+    /// Where the ground ends under rays.
+    #[inline(always)]
+    pub(super) fn end<L: Lanes>(&self, l: L, inverse: L::F) -> L::F {
+        let [major_end, minor_end] = self.ends;
+        l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse))
+    }
+
     /// Where rays have left all ground.
     #[inline(always)]
     pub(super) fn leave<L: Lanes>(&self, l: L, inverse: L::F, slope: L::F) -> L::F {
-        let [major_end, minor_end] = self.ends;
-        let leave = l.min(l.splat(major_end), l.mul(l.splat(minor_end), inverse));
+        let leave = self.end(l, inverse);
         let rises = l.lt(l.splat(0.0), slope);
         let top = l.splat(self.highest - self.eye_height);
         l.select(rises, l.min(leave, l.div(top, slope)), leave)

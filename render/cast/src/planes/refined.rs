@@ -1,4 +1,4 @@
-//! Ground with a post for each pixel of its photo: planes see colours at posts.
+//! Ground with posts as close as the pixels of its photo, or closer.
 
 use super::frame::Level;
 use super::roofs::Roofs;
@@ -9,9 +9,17 @@ use sandtable_terrain::{Ground, Photo, TileIndex};
 /// How many posts lie from a photo's pixel to the next where there are too few posts for it.
 const FINER: f64 = 0.75;
 
-/// How many posts lie from a pixel to the next where it matters no more whether pixels lie on posts: what
-/// is linear from pixel to pixel is almost so from post to post.
-const COARSER: f64 = 3.0;
+/// How many posts lie from a pixel to the next where it matters no more whether pixels lie on posts: of what is
+/// linear from pixel to pixel, what is linear from post to post then has all but a little.
+const COARSER: f64 = 1.3;
+
+/// And from which on, even magnified.
+const MUCH_COARSER: f64 = 3.0;
+
+/// How many of a photo's pixels one of the image covers, at most, where it shows what is linear between those: right
+/// before the eye, and all over an image.
+const WIDE_NEAR: f64 = 0.2;
+const WIDE: f64 = 0.5;
 
 /// How far pixels may lie beside posts that they are on.
 const BESIDE: f64 = 0.02;
@@ -23,7 +31,7 @@ const MOST: Room = Room {
     a_pixel: 4.0,
 };
 
-/// The same where every other post would do, but for pixels that lie halfway between posts.
+/// The same where every other post would do, but for pixels that lie beside posts.
 const MOST_TWICE: Room = Room {
     posts: (1 << 26) as f64,
     a_pixel: 8.0,
@@ -62,16 +70,36 @@ fn is_on_posts(photo: &Photo, ground: &Ground, times: u32) -> bool {
     beside(spacing) < 0.5 / pixels.max_element() && beside(first).max(beside(last)) < BESIDE
 }
 
-/// How many posts lie from a photo's pixel to the next where some of it is lost if colours are linear from post to
-/// post, magnified: as its pixels lie closer, or elsewhere.
-pub(super) fn lost_photo(ground: &Ground) -> Option<f64> {
-    let photo = ground.photo()?;
-    let spacing = spacing(photo, ground);
-    let is_lost = spacing < FINER || (spacing < COARSER && !is_on_posts(photo, ground, 1));
-    is_lost.then_some(spacing)
+/// Up to how many posts a pixel covers rays see more of a photo than what is linear from post to post has of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BetterByRays {
+    /// Before the eye, where farther ground is seen beside it.
+    pub(super) near: f64,
+    /// All over an image.
+    pub(super) all: f64,
 }
 
-/// The same ground with a post for each pixel of a photo whose pixels lie between its own posts.
+/// Whether pixels so many posts apart may lie beside posts.
+fn may_lie_beside(spacing: f64) -> bool {
+    spacing >= COARSER
+}
+
+/// Where rays see more of a ground's photo than posts have, if they do so anywhere.
+pub(super) fn better_by_rays(ground: &Ground) -> Option<BetterByRays> {
+    let photo = ground.photo()?;
+    let spacing = spacing(photo, ground);
+    if spacing >= FINER && (spacing >= MUCH_COARSER || is_on_posts(photo, ground, 1)) {
+        return None;
+    }
+    let [near, all] = if may_lie_beside(spacing) {
+        [WIDE_NEAR * spacing, WIDE * spacing]
+    } else {
+        [spacing.max(1.0); 2]
+    };
+    Some(BetterByRays { near, all })
+}
+
+/// The same ground with closer posts, for a photo whose pixels lie between its own ones.
 pub(super) struct Refined {
     pub(super) ground: Ground,
     /// How many of its cells lie side by side in one of the ground's: a power of two.
@@ -81,7 +109,7 @@ pub(super) struct Refined {
 }
 
 impl Refined {
-    /// Of a ground for whose photo there are posts to be had.
+    /// Of a ground whose photo is lost on it, where there is room.
     pub(super) fn new(ground: &Ground) -> Option<Self> {
         let times = times(ground)?;
         let ground = ground.refined(times);
@@ -111,25 +139,24 @@ impl Refined {
     }
 }
 
-/// How many times as close posts are to be, if that puts the photo's pixels on posts.
+/// How many times as close posts are to be, if that takes little room: for pixels to lie on posts, or not to matter
+/// where they lie; else, for there to be about a post a pixel.
 ///
 /// Powers of two, so that the ground's own posts are one of the levels: else tips of spikes, which are many pixels
 /// wide where these suit, lay between the posts of all of them.
 fn times(ground: &Ground) -> Option<u32> {
-    let (photo, spacing) = (ground.photo()?, lost_photo(ground)?);
+    let photo = ground.photo()?;
+    let spacing = spacing(photo, ground);
     let most = MOST.times(photo, ground);
     let mut times = 1;
     while f64::from(times) * spacing < FINER && times <= most {
         times *= 2;
     }
-    if times > 1 && times <= most && is_on_posts(photo, ground, times) {
-        return Some(times);
+    let will_do = may_lie_beside(f64::from(times) * spacing) || is_on_posts(photo, ground, times);
+    if !will_do && 2 * times <= MOST_TWICE.times(photo, ground) {
+        return Some(2 * times);
     }
-    // Files whose pixels are areas put them halfway between, where there is an even number of them to a post;
-    // and so do any with heights at points.
-    let twice = 2 * times;
-    let is_halfway = twice <= MOST_TWICE.times(photo, ground) && is_on_posts(photo, ground, twice);
-    is_halfway.then_some(twice)
+    (times > 1 && times <= most).then_some(times)
 }
 
 #[cfg(test)]
@@ -141,28 +168,42 @@ mod tests {
     fn a_photo_is_seen_at_posts_where_its_pixels_lie_there() {
         let ground = Ground::from_fn(101, 81, DVec2::new(30.0, 20.0), |_, _| 0.0);
         let ground = ground.expect("a sound grid");
-        assert_eq!(lost_photo(&ground), None);
-        let loses = |origin: [f64; 2], spacing: [f64; 2]| {
+        assert_eq!(better_by_rays(&ground), None);
+        let by_rays = |origin: [f64; 2], spacing: [f64; 2]| {
             let photo = Photo {
                 pixels: TiledRaster::from_fn(40, 30, |_, _| [9, 9, 9, 255]),
                 origin: DVec2::from_array(origin),
                 spacing: DVec2::from_array(spacing),
             };
-            lost_photo(&ground.clone().with_photo(photo)).is_some()
+            better_by_rays(&ground.clone().with_photo(photo))
         };
-        assert!(!loses([0.0; 2], [30.0, 20.0]) && !loses([-60.0, 40.0], [60.0, 20.0]));
-        assert!(!loses([0.3, 0.2], [30.001, 20.0]));
-        // Between posts, or drifting away from them.
-        assert!(loses([15.0, 0.0], [30.0, 20.0]) && loses([0.0, 10.0], [30.0, 20.0]));
-        assert!(loses([0.0; 2], [30.2, 20.0]) && loses([0.0; 2], [45.0, 20.0]));
-        // Closer.
-        assert!(loses([0.0; 2], [15.0, 20.0]));
-        // Much farther apart.
-        assert!(!loses([15.0, 7.0], [95.0, 63.0]));
+        for (origin, spacing) in [
+            ([0.0; 2], [30.0, 20.0]),
+            ([-60.0, 40.0], [60.0, 20.0]),
+            ([0.3, 0.2], [30.001, 20.0]),
+            // So far apart that it does not matter where they lie.
+            ([15.0, 7.0], [95.0, 63.0]),
+        ] {
+            assert_eq!(by_rays(origin, spacing), None, "{origin:?}, {spacing:?}");
+        }
+        for (origin, spacing, posts) in [
+            // Between posts, or drifting away from them.
+            ([15.0, 0.0], [30.0, 20.0], 1.0),
+            ([0.0, 10.0], [30.0, 20.0], 1.0),
+            ([0.0; 2], [30.2, 20.0], 1.0),
+            ([0.0; 2], [36.0, 24.0], 1.2),
+            // Closer.
+            ([0.0; 2], [15.0, 20.0], 1.0),
+            // Farther apart: only where they are wide in the image.
+            ([15.0, 7.0], [60.0, 40.0], 0.4),
+        ] {
+            let limit = by_rays(origin, spacing).expect("some of it is lost");
+            assert!((limit.near - posts).abs() < 1e-9, "{limit:?} is {posts}");
+        }
     }
 
     #[test]
-    fn ground_is_refined_where_that_puts_pixels_on_posts_and_not_for_a_few_pixels() {
+    fn ground_is_refined_until_posts_are_close_enough_and_not_for_a_few_pixels() {
         let ground = Ground::from_fn(101, 81, DVec2::splat(30.0), |col, row| (col + row) as f32);
         let ground = ground.expect("a sound grid");
         assert_eq!(times(&ground), None);
@@ -175,17 +216,19 @@ mod tests {
             times(&ground.clone().with_photo(photo))
         };
         assert_eq!(under(101, 81, 30.0, 0.0), None);
-        assert_eq!(under(120, 100, 24.0, 0.0), None);
         assert_eq!(under(202, 162, 15.0, 0.0), Some(2));
         assert_eq!(under(404, 324, 7.5, 0.0), Some(4));
         // Areas of 7.5 m and of 15 m within those of 30 m; and of 30 m, around points.
         assert_eq!(under(404, 324, 7.5, -11.25), Some(8));
         assert_eq!(under(202, 162, 15.0, -7.5), Some(4));
         assert_eq!(under(100, 80, 30.0, 15.0), Some(2));
-        // Between posts, but not halfway, or three to a post.
-        assert_eq!(under(202, 162, 15.0, -4.0), None);
-        assert_eq!(under(100, 80, 30.0, 10.0), None);
-        assert_eq!(under(301, 241, 10.0, 0.0), None);
+        // Elsewhere between posts, and drifting from one to the next.
+        assert_eq!(under(202, 162, 15.0, -4.0), Some(4));
+        assert_eq!(under(100, 80, 30.0, 10.0), Some(2));
+        assert_eq!(under(120, 100, 24.0, 0.0), Some(2));
+        // Three to a post, of which one lies on it: of four posts they may lie beside all.
+        assert_eq!(under(301, 241, 10.0, 0.0), Some(4));
+        assert_eq!(under(75, 60, 40.0, 7.0), None);
         // A quarter of the ground, and a corner of it.
         assert_eq!(under(202, 162, 7.5, 0.0), Some(4));
         assert_eq!(under(80, 60, 3.75, 0.0), None);

@@ -49,8 +49,10 @@ struct March<'a, L: Lanes> {
     frame: &'a Frame<'a>,
     /// Numbers a step in the scratch.
     room: usize,
-    /// The ground at its own resolution, and at coarser ones.
+    /// The ground at its own resolution, and at coarser ones; and, for planes, at finer ones.
     fields: Vec<Field<'a>>,
+    /// The number of its own resolution.
+    native: usize,
     directions: Directions,
     /// The vanishing point of the vertical in steps and lanes of the sector.
     vertical: [f64; 3],
@@ -210,8 +212,14 @@ impl<'a, L: Lanes> March<'a, L> {
             .map(|(level, field)| f64::from(level.steepest[1 - sector.major] / field.scale))
             .collect();
         for field in &mut fields {
-            // Coarser cells may reach out over the ground's border: it ends where it ends.
-            field.ends = bounds.map(|[_, end]| end / field.scale);
+            // Coarser cells may reach out over the ground's border: it ends where it ends; but no later, however
+            // that is rounded, than at the last line, behind which there are no cells.
+            let scale = field.scale;
+            let end = |axis: &Axis, end: f32| (end / scale).min(axis.line(axis.cells[1] + 1));
+            field.ends = [
+                end(&field.major, bounds[0][1]),
+                end(&field.minor, bounds[1][1]),
+            ];
         }
         let spacing = frame.ground.grid().spacing.to_array();
         let [x, y, w] = frame.rays.vertical();
@@ -233,6 +241,7 @@ impl<'a, L: Lanes> March<'a, L> {
             frame,
             room,
             fields,
+            native: frame.detail.as_ref().map_or(0, |detail| detail.native),
             directions: Directions::new(frame, sector),
             vertical,
             steepest,

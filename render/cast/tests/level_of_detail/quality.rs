@@ -99,7 +99,7 @@ fn pixels_that_cover_little_are_no_worse() {
 #[test]
 fn narrow_pixels_see_the_ground_exactly() {
     let scene = Scene::new(mountains().with_photo(between_posts(1.0)));
-    let close = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [1600, 1000]);
+    let close = standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [3200, 2000]);
     for (view, all_magnified) in [
         (
             camera(over(&scene, 320.0, 210.0, 30.0), -1.4, [320, 240]),

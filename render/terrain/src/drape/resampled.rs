@@ -1,47 +1,21 @@
 //! A photograph at the ground's posts.
 
+use super::kernel::{Kernel, TAPS};
 use crate::{Ground, Photo, TILE_CELLS};
 use glam::DVec2;
-
-/// How many pixels count along an axis.
-const TAPS: usize = 4;
 
 /// How many pixels a tile's row may need: there is no more than 1 / [`super::FINER`] from post to post.
 const LENGTH: usize = TILE_CELLS as usize * 3 / 2 + 2 * TAPS;
 
-/// How much the pixels around a place count that lies such a part of the way from the second to the third.
-pub(super) type Weights = fn(f32) -> [f32; TAPS];
-
-/// Those of the photograph itself, which is linear between pixels.
-pub(super) fn linear(part: f32) -> [f32; TAPS] {
-    [0.0, 1.0 - part, part, 0.0]
-}
-
-/// Catmull and Rom's (1974).
-///
-/// Where posts lie about as far apart as pixels, but halfway between them, colours that are linear have lost
-/// all of the finest detail and a third of what is twice as coarse; a cubic keeps more of that.
-pub(super) fn cubic(part: f32) -> [f32; TAPS] {
-    let t = part;
-    [
-        0.5 * t * (t * (2.0 - t) - 1.0),
-        0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
-        0.5 * t * (t * (4.0 - 3.0 * t) + 1.0),
-        0.5 * t * t * (t - 1.0),
-    ]
-}
-
-/// How far a place lies behind the pixel before it; there may be none.
-fn fraction(at: f64) -> f32 {
-    (at - at.floor()) as f32
-}
+/// How many of the pixels that count lie before the one before a place.
+const BEFORE: i64 = TAPS as i64 / 2 - 1;
 
 /// Fills rows with a photograph's colours at the ground's posts, and with the ground's own where some of
 /// the pixels around them are missing.
 pub(super) fn resampled<'a>(
     ground: &'a Ground,
     photo: &'a Photo,
-    weights: Weights,
+    [across, along]: [Kernel; 2],
 ) -> impl Fn(u32, u32, &mut [[u8; 4]]) + Sync + 'a {
     let spacing = ground.grid().spacing;
     let last = [photo.pixels.cols(), photo.pixels.rows()].map(|pixels| f64::from(pixels) - 0.5);
@@ -52,15 +26,15 @@ pub(super) fn resampled<'a>(
         };
         // Far beside the photograph no pixel is asked for.
         let [first, end] = [col, col + into.len() as u32 - 1].map(|col| place(col).1);
-        let west = first.x.floor().max(-1.0).min(last[0]) as i64 - 1;
-        let east = end.x.floor().max(-1.0).min(last[0]) as i64 + 2;
+        let west = first.x.floor().max(-1.0).min(last[0]) as i64 - BEFORE;
+        let east = end.x.floor().max(-1.0).min(last[0]) as i64 + BEFORE + 1;
         let is_inside_row = (-0.5..=last[1]).contains(&first.y);
         let rows = if is_inside_row {
-            weights(fraction(first.y))
+            *along.weights(first.y)
         } else {
             [0.0; TAPS]
         };
-        let south = first.y.floor().max(-1.0).min(last[1]) as i64 - 1;
+        let south = first.y.floor().max(-1.0).min(last[1]) as i64 - BEFORE;
         let count = (east - west + 1) as usize;
         let mut pixels = [[0_u8; 4]; LENGTH];
         let mut sums = [[0.0_f32; 4]; LENGTH];
@@ -83,8 +57,8 @@ pub(super) fn resampled<'a>(
             let (at, pixel) = place(col);
             let is_inside = is_inside_row && (-0.5..=last[0]).contains(&pixel.x);
             let of_photo = is_inside.then(|| {
-                let from = (pixel.x.floor() as i64 - 1 - west) as usize;
-                let weights = weights(fraction(pixel.x));
+                let from = (pixel.x.floor() as i64 - BEFORE - west) as usize;
+                let weights = across.weights(pixel.x);
                 let (sums, covered) = (&sums[from..][..TAPS], &covered[from..][..TAPS]);
                 let is_missing = |(&weight, &least): (&f32, &u8)| weight != 0.0 && least == 0;
                 let mut colour = [0.5; 3];

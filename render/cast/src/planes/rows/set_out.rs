@@ -265,7 +265,8 @@ impl<L: Lanes> March<'_, L> {
             return;
         };
         let coarsest = self.fields.len() as i32 - 1;
-        let covered = l.max(l.mul(start, width), l.splat(1.0));
+        // Finer levels than the ground's own have the same surface in smaller cells.
+        let covered = l.max(l.mul(start, width), l.splat(self.fields[self.native].scale));
         let level = l.min_i(l.exponent(covered), l.splat_i(coarsest));
         let mut levels = [0; LANES];
         l.store_i(level, &mut levels);
@@ -279,7 +280,7 @@ impl<L: Lanes> March<'_, L> {
             let field = &self.fields[number as usize];
             let (scale, inverse_scale) = (l.splat(field.scale), l.splat(1.0 / field.scale));
             let t = l.mul(start, inverse_scale);
-            let leave = l.mul(ray.leave, inverse_scale);
+            let leave = l.min(l.mul(ray.leave, inverse_scale), field.end(l, ray.inverse));
             let ray = Ray {
                 slope: l.mul(ray.slope, scale),
                 leave: if number < coarsest {

@@ -179,7 +179,7 @@ impl<L: Lanes> March<'_, L> {
             plane,
             cell,
             width,
-            native: self.frame.detail.as_ref().map_or(0, |detail| detail.native),
+            native: self.native,
             coarsest: self.fields.len() - 1,
             level: 0,
             is_bent: true,
