@@ -17,8 +17,9 @@ use glam::DVec2;
 /// colours.
 ///
 /// Level 0 has the ground's own colours at its posts: of a photograph that is finer than they are,
-/// the means around them, and of one whose pixels lie about as far apart but between them, a cubic
-/// through the pixels around each. A post of each further level is the mean of the finer ones around it by
+/// the means around them, and of one whose pixels lie about as far apart or up to three times, but beside them,
+/// those between which what is linear comes nearest to the photograph. A post of each further level is the mean
+/// of the finer ones around it by
 /// [−1 2 6 2 −1] / 8 along each axis, as its height is, in linear light; beyond the border the
 /// outermost colour repeats. Colours are red, green, blue, sRGB-encoded, and 255.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ pub struct Drape {
 /// As how many posts wide a photograph's pixels count as finer than these.
 const FINER: f64 = 0.75;
 
-/// As how many posts wide they count as coarser: then what is linear between them is so between posts.
+/// As how many posts wide they count as coarser: then what is linear between them is almost so between posts.
 const COARSER: f64 = 3.0;
 
 /// What the finest level is made of.
@@ -38,7 +39,7 @@ enum Finest<'a> {
     Pixels(&'a TiledRaster<[u8; 4]>),
     /// Means around the posts.
     Means,
-    /// What the photograph has at the posts, between its pixels.
+    /// What kernels along both axes make of the photograph's pixels.
     Between(&'a Photo, [Kernel; 2]),
     /// The tints at the posts.
     Tints,

@@ -61,7 +61,7 @@ impl DetailOptions {
 /// Ground and colours at all resolutions.
 pub(super) struct Detail {
     options: DetailOptions,
-    /// What levels begin with, where that puts the photo's pixels on posts.
+    /// What levels begin with, where the photo's pixels lie between the ground's own posts.
     refined: Option<Refined>,
     /// Where planes see less of the photo than rays, in the first level's posts.
     by_rays: Option<BetterByRays>,

@@ -194,7 +194,7 @@ mod tests {
             ([0.0; 2], [36.0, 24.0], 1.2),
             // Closer.
             ([0.0; 2], [15.0, 20.0], 1.0),
-            // Farther apart: only where they are wide in the image.
+            // Farther apart: a fifth of a pixel.
             ([15.0, 7.0], [60.0, 40.0], 0.4),
         ] {
             let limit = by_rays(origin, spacing).expect("some of it is lost");
