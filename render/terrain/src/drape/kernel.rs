@@ -3,7 +3,7 @@
 /// How many pixels count along an axis at most.
 pub(super) const TAPS: usize = 12;
 
-/// How many places there are from pixel to pixel.
+/// How many places there are from one pixel to the next, and that one.
 const PHASES: usize = 256;
 
 /// What counts for less than half a code of the widest step is left out: the less reaches over a photograph's
@@ -29,6 +29,9 @@ impl Kernel {
     /// information").
     pub(super) fn nearest(posts: f64) -> Self {
         let common = |away: f64| {
+            if away.abs() >= 1.0 + posts {
+                return 0.0;
+            }
             let part = |i: f64, j: f64| {
                 let sign = if i == 0.0 { -2.0 } else { 1.0 } * if j == 0.0 { -2.0 } else { 1.0 };
                 sign * (away + i + j * posts).max(0.0).powi(3)
@@ -59,14 +62,14 @@ impl Kernel {
             let sum: f64 = exact.iter().sum();
             exact.map(|weight| (weight / sum) as f32)
         };
-        Self((0..PHASES).map(weights).collect())
+        Self((0..=PHASES).map(weights).collect())
     }
 
     /// How much the pixels around a place count: the pixel before it is the sixth.
     pub(super) fn weights(&self, at: f64) -> &[f32; TAPS] {
-        let part = at - at.floor();
-        // Of NaN the first.
-        &self.0[((part * PHASES as f64) as usize).min(PHASES - 1)]
+        // The nearest place; of no number the first.
+        let phase = (at - at.floor()) * PHASES as f64 + 0.5;
+        &self.0[phase as usize]
     }
 }
 
