@@ -54,6 +54,8 @@ struct March<'a, L: Lanes> {
     /// The number of its own resolution.
     native: usize,
     directions: Directions,
+    /// A cell's side along the minor axis, over the one along the major axis.
+    oblong: f64,
     /// The vanishing point of the vertical in steps and lanes of the sector.
     vertical: [f64; 3],
     /// Metres a cell of the ground, along the minor axis, that each of its resolutions is steep at
@@ -243,6 +245,7 @@ impl<'a, L: Lanes> March<'a, L> {
             fields,
             native: frame.detail.as_ref().map_or(0, |detail| detail.native),
             directions: Directions::new(frame, sector),
+            oblong: spacing[1 - sector.major] / spacing[sector.major],
             vertical,
             steepest,
             bounds,

@@ -7,6 +7,7 @@ mod fan;
 mod march;
 mod paint;
 mod rays;
+mod resolution;
 mod sight;
 mod walls;
 
@@ -90,13 +91,14 @@ impl<L: Lanes> March<'_, L> {
         2 * far > some().len()
     }
 
-    /// How many cells a pixel covers across its ray, for each 1 of t.
+    /// How many cells a pixel covers across its ray, for each 1 of t: of the longer of their sides.
     fn pixel_width(&self, step: u32, lane: f64) -> f64 {
         let v = self.directions.lane;
         let d = self.directions.at_place(step, lane);
         let major = d.x.max(self.steep());
         let advance = d.y.max(0.0) / major;
-        (v.y * d.x - v.x * d.y).abs() / (major * major * (1.0 + advance * advance).sqrt())
+        let turned = (1.0 + (self.oblong * advance).powi(2)).sqrt();
+        self.oblong.min(1.0) * (v.y * d.x - v.x * d.y).abs() / (major * major * turned)
     }
 
     /// As much of the major axis as directions have at least.

@@ -157,7 +157,8 @@ impl<L: Lanes> March<'_, L> {
             nearest = nearest.min(reached(lane));
         }
         let d = self.directions.at(step, ends[0]);
-        let width = across / (d.x * d.x + d.y * d.y).sqrt() as f32 / d.x as f32;
+        let turned = (d.x * d.x + (self.oblong * d.y).powi(2)).sqrt();
+        let width = across / turned as f32 / d.x as f32;
         let covered = (nearest * width).max(1.0);
         let coarsest = self.steepest.len() - 1;
         let level = (covered.to_bits() >> 23) as usize - 127;

@@ -63,8 +63,10 @@ impl<L: Lanes> March<'_, L> {
         let detail = self.frame.detail.as_ref();
         let across = detail.filter(|_| self.frame.coarsens).map(|detail| {
             let d = self.directions.at(step, 0);
-            (f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs()) as f32
+            let across = f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs();
+            (self.oblong.min(1.0) * across) as f32
         });
+        let oblong = l.splat(self.oblong as f32);
         let slot = self.slot(step);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
         let mut shared = None;
@@ -93,10 +95,11 @@ impl<L: Lanes> March<'_, L> {
                 leave: stay.leave,
                 id: self.ids(at),
             };
-            // How many cells a pixel covers across its ray, for each 1 of t.
+            // How many cells, of the longer of their sides, a pixel covers across its ray for each 1 of t.
             let mut width = None;
             if let Some(across) = across {
-                let turned = l.sqrt(l.add(one, l.mul(advance, advance)));
+                let turned = l.mul(oblong, advance);
+                let turned = l.sqrt(l.add(one, l.mul(turned, turned)));
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
             if in_chunk.is_multiple_of(BLOCK) {
