@@ -1,10 +1,12 @@
 //! Terrains, and views of them, that casters are measured on.
 //!
 //! `tN` is the fractal terrain of N by N posts a metre apart, and `tNxK` its photograph over means of
-//! K by K of them; the others are real. The environment chooses: `SANDTABLE_BENCH_SCENES` names scenes
+//! K by K of them; `cityN` is a town of as many posts, and `cityNxK` the same with K by
+//! K pixels of its photograph to a post; the others are real. The environment chooses: `SANDTABLE_BENCH_SCENES` names scenes
 //! (`t512,pyrenees`), `SANDTABLE_BENCH_LARGE=1` adds t16384, and `SANDTABLE_PEERS` is a folder that has
 //! the fractal terrains as raw files.
 
+mod city;
 mod fractal;
 mod noise;
 mod photo;
@@ -68,11 +70,7 @@ pub(crate) fn chosen() -> impl Iterator<Item = Result<BenchScene>> {
 /// The scene of that name, or `None` where its files are not there. Fractal ones are read from the
 /// folder `peers` where that is given.
 pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScene>> {
-    let fractal = name
-        .strip_prefix('t')
-        .map(|sizes| sizes.split_once('x').unwrap_or((sizes, "1")));
-    let fractal = fractal.and_then(|(side, times)| Some((side.parse().ok()?, times.parse().ok()?)));
-    if let Some((side, times)) = fractal {
+    if let Some((side, times)) = sizes(name, "t") {
         let (mut ground, mut views) = match peers {
             Some(folder) => raw::scene(folder, side)?,
             None => {
@@ -86,9 +84,14 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
         }
         return Ok(Some(BenchScene::new(name, ground, views)));
     }
+    if let Some((side, pixels)) = sizes(name, "city") {
+        let ground = city::ground(side, pixels)?;
+        let views = views::all(&ground);
+        return Ok(Some(BenchScene::new(name, ground, views)));
+    }
     let Some(file) = real::file(name) else {
         bail!(
-            "no scene is called {name:?}: there are tN, tNxK, {}",
+            "no scene is called {name:?}: there are tN, tNxK, cityN, cityNxK, {}",
             real::NAMES.join(", ")
         );
     };
@@ -99,4 +102,11 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
     let ground = real::ground(&file)?;
     let views = views::horizon_and_table(&ground);
     Ok(Some(BenchScene::new(name, ground, views)))
+}
+
+/// The two numbers behind what a scene's name begins with; the second is 1 where there is none.
+fn sizes(name: &str, kind: &str) -> Option<(u32, u32)> {
+    let sizes = name.strip_prefix(kind)?;
+    let (side, times) = sizes.split_once('x').unwrap_or((sizes, "1"));
+    Some((side.parse().ok()?, times.parse().ok()?))
 }

@@ -286,7 +286,8 @@ mod tests {
         let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32;
         let ground = Ground::from_fn(200, 200, DVec2::ONE, rough).expect("a sound grid");
         let roofs = Roofs::new(ground.heights());
-        let level = Level::new(ground.heights(), &roofs, &Steepness::new(ground.heights()));
+        let steepness = Steepness::new(ground.heights());
+        let level = Level::new(ground.heights(), &roofs, &steepness);
         let mut led = 0;
         for k in 0..4000_u32 {
             let share = |by: f64| (f64::from(k) * by).fract();

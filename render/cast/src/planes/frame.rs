@@ -26,17 +26,19 @@ pub(super) struct Level<'a> {
     pub(super) steepest: [f32; 2],
     /// How much more one side of a cell rises than the other, at most: metres.
     pub(super) twist: f32,
+    pub(super) steepness: &'a Steepness,
 }
 
 impl<'a> Level<'a> {
     pub(super) fn new(
         heights: &'a TiledRaster<f32>,
         roofs: &'a Roofs,
-        steepness: &Steepness,
+        steepness: &'a Steepness,
     ) -> Self {
         Self {
             steepest: steepness.steepest(),
             twist: steepness.twist(),
+            steepness,
             heights: Tiles::new(
                 heights.view(),
                 heights.tiles_across(),

@@ -282,7 +282,8 @@ mod tests {
         let rough = |col: u32, row: u32| ((3 * col * col + 5 * row * col + 11 * row) % 13) as f32;
         let ground = Ground::from_fn(200, 200, DVec2::ONE, rough).expect("a sound grid");
         let roofs = Roofs::new(ground.heights());
-        let level = Level::new(ground.heights(), &roofs, &Steepness::new(ground.heights()));
+        let steepness = Steepness::new(ground.heights());
+        let level = Level::new(ground.heights(), &roofs, &steepness);
         let mut passage = Box::new(Passage::default());
         let (mut hits, mut passes, mut bends) = (0, 0, 0);
         for k in 0..20_000_u32 {

@@ -91,6 +91,25 @@ impl Steepness {
         self.twist
     }
 
+    /// What lies in the cells from the first to the last along x, and along y: by how much one of these rises at
+    /// most, along either axis, and the highest post, in metres.
+    pub(super) fn among(&self, [x, y]: [[i32; 2]; 2]) -> [f32; 2] {
+        let along = self.blocks.len() / self.across;
+        let blocks = |[first, last]: [i32; 2], count: usize| {
+            let block = |cell: i32| (cell.max(0) as usize / self.side as usize).min(count - 1);
+            block(first)..=block(last)
+        };
+        let mut most = [0.0, f32::NEG_INFINITY];
+        for row in blocks(y, along) {
+            for col in blocks(x, self.across) {
+                let block = &self.blocks[row * self.across + col];
+                let [east, north] = block.steepest;
+                most = [most[0].max(east).max(north), most[1].max(block.heights[1])];
+            }
+        }
+        most
+    }
+
     fn look_at(&mut self, heights: &TiledRaster<f32>, tiles: &[TileIndex]) {
         let side = self.side as usize;
         let in_tile = (TILE_CELLS / self.side) as usize;

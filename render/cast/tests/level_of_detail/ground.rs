@@ -35,6 +35,58 @@ pub(crate) fn mountains() -> Ground {
     Ground::from_fn(700, 600, DVec2::ONE, height).expect("a sound grid")
 }
 
+/// A house of a town: how high it is over the street at a post, and its colour.
+fn house(col: u32, row: u32) -> Option<(f32, [u8; 3])> {
+    const LOT: u32 = 24;
+    let kind = hash(col / LOT, row / LOT);
+    let is_within = |at: u32, bits: u32| (4..12 + bits % 10).contains(&(at % LOT));
+    let height = [6.0, 10.0, 20.0, 35.0][(kind >> 20) as usize % 4];
+    let colour = [[150, 70, 55], [180, 175, 165], [90, 95, 105]][(kind >> 24) as usize % 3];
+    (is_within(col, kind >> 4) && is_within(row, kind >> 9)).then_some((height, colour))
+}
+
+/// Houses with flat roofs, a metre from post to post, whose walls stand between two posts; under a photo with so many
+/// pixels to a post along each side, which are areas, as posts are.
+pub(crate) fn town(times: u32) -> Ground {
+    let size = [480, 400];
+    let height = |col: u32, row: u32| house(col, row).map_or(0.0, |(height, _)| height);
+    let ground = Ground::from_fn(size[0], size[1], DVec2::ONE, height).expect("a sound grid");
+    let pixel = |x: u32, y: u32| {
+        let [r, g, b] = house(x / times, y / times).map_or([105, 130, 70], |(_, colour)| colour);
+        let grain = (hash(x, y) >> 28) as u8;
+        [r + grain, g + grain, b + grain, 255]
+    };
+    let spacing = DVec2::splat(1.0 / f64::from(times));
+    ground.with_photo(Photo {
+        pixels: TiledRaster::from_fn(times * size[0], times * size[1], pixel),
+        origin: 0.5 * (spacing - 1.0),
+        spacing,
+    })
+}
+
+/// Waves on posts that lie so far apart along x and along y, as those of maps in degrees do far north, under a photo with
+/// a pixel a post.
+pub(crate) fn oblong(spacing: DVec2) -> Ground {
+    let posts = (700.0 / spacing).as_uvec2();
+    let at = |col: u32, row: u32| DVec2::new(f64::from(col), f64::from(row)) * spacing / 40.0;
+    let height = |col: u32, row: u32| {
+        let DVec2 { x, y } = at(col, row);
+        (12.0 * ((x + 0.4 * y).sin() + (1.7 * x - y).cos())) as f32
+    };
+    let pixel = |col: u32, row: u32| {
+        let DVec2 { x, y } = at(col, row);
+        let level = 120.0 + 50.0 * (2.0 * x + 0.3 * y).sin() + 40.0 * (y - x).cos();
+        let level = level as u8 + (hash(col, row) >> 27) as u8;
+        [level, 255 - level, level / 2, 255]
+    };
+    let ground = Ground::from_fn(posts.x, posts.y, spacing, height).expect("a sound grid");
+    ground.with_photo(Photo {
+        pixels: TiledRaster::from_fn(posts.x, posts.y, pixel),
+        origin: DVec2::ZERO,
+        spacing,
+    })
+}
+
 /// A photo with detail of all sizes, down to single pixels of half a metre.
 pub(crate) fn photo() -> Photo {
     photo_of([1400, 1200])

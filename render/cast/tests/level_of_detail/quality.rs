@@ -1,6 +1,6 @@
 //! Images are nearer to the truth than points where pixels cover much, and nowhere farther.
 
-use crate::ground::{mountains, photo, photo_of};
+use crate::ground::{mountains, oblong, photo, photo_of, town};
 use crate::truth::compared;
 use crate::views::{camera, cast};
 use glam::{DVec2, DVec3};
@@ -74,6 +74,43 @@ fn finer_photos_are_seen_with_all_that_is_in_them() {
             let [points, detail] = compared(&scene, view);
             println!("{name}, view {k}: {points:.2} dB, with detail {detail:.2}");
             assert!(detail > points + gain, "{name}, view {k}");
+        }
+    }
+}
+
+/// Walls between two posts are seen pixels high; a level that suits the width of pixels has slopes in their place.
+#[test]
+fn towns_are_nearer_to_the_truth() {
+    for times in [1, 2] {
+        let scene = Scene::new(town(times));
+        let views = [
+            camera(DVec3::new(330.0, -180.0, 200.0), -0.5, [320, 240]),
+            camera(DVec3::new(200.0, 200.0, 400.0), -1.5, [320, 240]),
+            camera(DVec3::new(150.0, 40.0, 60.0), -0.3, [320, 240]),
+            standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [400, 240]),
+        ];
+        for (k, view) in views.into_iter().enumerate() {
+            let [points, detail] = compared(&scene, view);
+            println!("{times} pixels a post, view {k}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points + 1.0, "{times} pixels a post, view {k}");
+        }
+    }
+}
+
+/// Levels have half as many posts along both axes: what they are too coarse for is along the longer one.
+#[test]
+fn oblong_cells_are_no_farther_from_the_truth() {
+    for spacing in [[1.0, 6.0], [6.0, 1.0], [1.0, 20.0], [20.0, 1.0]] {
+        let scene = Scene::new(oblong(DVec2::from_array(spacing)));
+        let views = [
+            camera(DVec3::new(350.0, 350.0, 500.0), -1.57, [320, 240]),
+            camera(DVec3::new(100.0, 60.0, 130.0), -0.5, [320, 240]),
+            standpoints::at_table(&scene.ground, DVec3::new(0.0, -0.7, 0.6), [320, 200]),
+        ];
+        for (k, view) in views.into_iter().enumerate() {
+            let [points, detail] = compared(&scene, view);
+            println!("{spacing:?}, view {k}: {points:.2} dB, with detail {detail:.2}");
+            assert!(detail > points, "{spacing:?}, view {k}");
         }
     }
 }

@@ -18,7 +18,7 @@ impl Axis {
     }
 
     /// The ground's cell that is a mirrored one.
-    pub(super) fn ground_alone(&self, cell: i32) -> i32 {
+    pub(in crate::planes) fn ground_alone(&self, cell: i32) -> i32 {
         if self.sign > 0 {
             self.base + cell
         } else {
@@ -27,7 +27,7 @@ impl Axis {
     }
 
     /// As `cell`, of one place.
-    pub(super) fn cell_alone(&self, along: f32) -> i32 {
+    pub(in crate::planes) fn cell_alone(&self, along: f32) -> i32 {
         let cell = (along + self.fraction) as i32;
         cell.min(self.cells[1]).max(self.cells[0])
     }

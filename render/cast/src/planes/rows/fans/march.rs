@@ -4,6 +4,7 @@ use super::super::March;
 use super::super::scratch::Scratch;
 use super::fan::Fan;
 use super::rays::Rays;
+use super::resolution::Resolution;
 use super::sight::{SAME, Sight, Start};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::profile::{Mark, parts_between, passed};
@@ -11,77 +12,23 @@ use crate::planes::profile::{Mark, parts_between, passed};
 /// Planes that are led at once: a processor does one half's work while it waits for the other's.
 pub(super) const PLANES: usize = 2 * LANES;
 
-/// How many cells of the ground's own level, and of finer ones, a pixel may cover before the next one is taken; of
-/// coarser ones it is two. Where pixels are hardly wider than posts, these are nearer to the truth than anything
-/// that is made of them.
-const FINEST: f32 = 2.6;
-
-/// How many cells of the finest level a pixel may cover, in the same way, up to which profiles are bent
-/// between lines of posts; of wider pixels straight ones are as near to the truth as pixels are.
-const BENT: f32 = 1.3;
-
 /// By how much of a pixel the ground may lie beside a bent profile, which is straight where a twisted cell is a
 /// parabola: where it lies farther, profiles are looked at between lines, too, in up to 2 ^ [`MOST_PARTS`] parts
 /// of a cell.
 const ASIDE: f32 = 0.75;
 const MOST_PARTS: u32 = 6;
 
+/// How many pixels planes may see of the way from one line to the next.
+const TALL: f32 = 4.0;
+
 /// For how many lines nothing has been seen before it is asked whether blocks may be passed.
 const IDLE: u32 = 4;
-
-/// In which of the ground's resolutions planes are: in the one that suits a plane in their midst.
-struct Resolution {
-    plane: usize,
-    /// Pixels to a cell, at most, and how wide a pixel is for each 1 of t, times that.
-    cell: f64,
-    width: f32,
-    native: usize,
-    coarsest: usize,
-    level: usize,
-    /// Whether profiles are bent between lines.
-    is_bent: bool,
-    /// The t up to which it suits.
-    limit: f32,
-    /// How twisted cells of the finest level may be, for each 1 of t, that profiles are not looked at in: metres.
-    twist: f32,
-}
-
-impl Resolution {
-    /// Takes what suits at t, but nothing finer than before. Gives whether it is another level.
-    fn suit(&mut self, t: f32) -> bool {
-        let covered = t * self.width;
-        let finer = (0..=self.native).find(|&level| covered < up_to(level));
-        let level = finer
-            .unwrap_or_else(|| (((covered.to_bits() >> 23) - 127) as usize).min(self.coarsest));
-        self.is_bent &= covered < BENT;
-        let coarser = level > self.level;
-        self.level = self.level.max(level);
-        self.limit = self.limit().max(t * 1.001);
-        coarser
-    }
-
-    fn limit(&self) -> f32 {
-        if self.is_bent {
-            BENT / self.width
-        } else if self.level == self.coarsest {
-            f32::INFINITY
-        } else if self.level <= self.native {
-            up_to(self.level) / self.width
-        } else {
-            (2 << self.level) as f32 / self.width
-        }
-    }
-}
-
-/// How many cells of the finest level a pixel may cover before a level is left that is no coarser than the ground's
-/// own.
-fn up_to(level: usize) -> f32 {
-    FINEST * (1 << level) as f32
-}
 
 /// How far planes have been led.
 struct Way {
     at: Resolution,
+    /// Cells along the minor axis for each one along the major axis, of the first plane and of the last one.
+    outer: [f32; 2],
     /// As [`Sight::look`] has it.
     same: f32,
     /// The plane in their midst: its lane, and whether that is one of the first sixteen.
@@ -174,24 +121,28 @@ impl<L: Lanes> March<'_, L> {
         let start = rays[0].start.min(rays[1].start);
         let width = self.width_at(fan, plane, cell, 0.0);
         let outer = [rays[0].advance[0], rays[1].advance[LANES - 1]];
-        let metres = width / cell as f32 * self.frame.ground.grid().cell_length() as f32;
+        let cell_length = self.frame.ground.grid().spacing.max_element() as f32;
         let mut at = Resolution {
             plane,
             cell,
             width,
+            metres: cell_length / cell as f32,
             native: self.native,
             coarsest: self.fields.len() - 1,
+            suited: 0,
             level: 0,
             is_bent: true,
             limit: 0.0,
             // A parabola lies as far beside its chord as a quarter of what the twist makes of its extent.
-            twist: 4.0 * ASIDE * metres / outer[0].max(outer[1]).max(f32::MIN_POSITIVE),
+            twist: 4.0 * ASIDE * width / cell as f32 * cell_length
+                / outer[0].max(outer[1]).max(f32::MIN_POSITIVE),
         };
-        at.suit(start);
+        self.suit(&mut at, start, outer);
         let field = &self.fields[at.level];
         let line = (start / field.scale + field.major.fraction) as i32;
         let line = line.max(field.major.cells[0]);
         Way {
+            outer,
             same: 1.0 + SAME * at.width / cell as f32,
             lane,
             is_left,
@@ -216,6 +167,7 @@ impl<L: Lanes> March<'_, L> {
         let l = self.l;
         let Way {
             mut at,
+            outer,
             same,
             lane,
             is_left,
@@ -230,13 +182,18 @@ impl<L: Lanes> March<'_, L> {
                 let mut done = [0.0; LANES];
                 l.store(if is_left { left.border } else { right.border }, &mut done);
                 at.width = self.width_at(fan, at.plane, at.cell, done[lane]);
-                if at.suit(t) {
+                if self.suit(&mut at, t, outer) {
                     field = &self.fields[at.level];
                     line = (t / field.scale + field.major.fraction + 1e-3) as i32;
+                    if BENT && at.is_bent {
+                        left.skip_to::<true>(l, field, line, t);
+                        right.skip_to::<true>(l, field, line, t);
+                    }
                 }
                 if BENT && !at.is_bent {
                     return Some(Way {
                         at,
+                        outer,
                         same,
                         lane,
                         is_left,
@@ -277,6 +234,17 @@ impl<L: Lanes> March<'_, L> {
             // Both are read before either is looked at.
             let here = left.line::<BENT>(l, field, line, end);
             let other_here = right.line::<BENT>(l, field, line, end);
+            if at.may_be_closer()
+                && (left.is_tall(l, &here, TALL) || right.is_tall(l, &other_here, TALL))
+            {
+                // Up to this line, with closer ones.
+                at.come_closer(end);
+                field = &self.fields[at.level];
+                line = (t / field.scale + field.major.fraction + 1e-3) as i32;
+                left.recolour::<BENT>(l, field, line, t);
+                right.recolour::<BENT>(l, field, line, t);
+                continue;
+            }
             let (mut some_is_seen, mut to_a_cell) = (false, 1.0);
             if BENT && at.twist * t < self.frame.levels[0].twist {
                 // Apart as above.

@@ -232,6 +232,32 @@ impl<L: Lanes> Sight<L> {
         }
     }
 
+    /// Whether some planes see more of the way to a line than so many pixels.
+    #[inline(always)]
+    pub(super) fn is_tall(&self, l: L, line: &Line<L>, pixels: f32) -> bool {
+        let rise = l.sub(line.slope, l.max(self.slope, self.horizon));
+        let parts = l.mul(rise, self.per_slope);
+        let is_tall = l.lt(l.splat(pixels * PARTS), parts);
+        l.bits(l.and(self.live, is_tall)) != 0
+    }
+
+    /// Takes the last line, at t, to be the mirrored line `line` of another level with the same ground.
+    #[inline(always)]
+    pub(super) fn recolour<const BENT: bool>(
+        &mut self,
+        l: L,
+        field: &Field<'_>,
+        line: i32,
+        t: f32,
+    ) {
+        if BENT {
+            self.skip_to::<true>(l, field, line, t);
+        } else if let Some(colours) = field.colours {
+            let station = Station::on_line(l, field, &self.planes, line, 0);
+            self.colours = station.crossing.colours(l, field, &self.planes, colours);
+        }
+    }
+
     /// The way from the last line to the next one.
     #[inline(always)]
     pub(super) fn stretch(&self, line: &Line<L>) -> Stretch<L> {
