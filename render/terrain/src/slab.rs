@@ -78,12 +78,6 @@ impl<T> Slot<T> {
         self.index
     }
 
-    /// Whether it lies in `slab`.
-    #[must_use]
-    pub fn is_of(&self, slab: &Arc<Slab<T>>) -> bool {
-        Arc::ptr_eq(&self.slab, slab)
-    }
-
     /// Its items, to be changed.
     pub fn items_mut(&mut self) -> &mut [T] {
         let begin = self.index as usize * self.slab.slot_len;

@@ -77,7 +77,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// A tile's posts, to be changed; a copy of them where another snapshot shares the tile.
     fn posts_mut(&mut self, tile: usize) -> &mut [T] {
         if Arc::get_mut(&mut self.tiles[tile]).is_none() {
-            let mut slot = self.free_slot();
+            let mut slot = self.free_slots(1).remove(0);
             slot.items_mut().copy_from_slice(&self.tiles[tile]);
             self.tiles[tile] = Arc::new(slot);
         }
@@ -86,12 +86,14 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         &mut slot.items_mut()[..posts]
     }
 
-    /// A free slot; where there is none, all tiles move to a larger piece of memory first.
-    fn free_slot(&mut self) -> Slot<T> {
-        if let Some(slot) = self.slab.take() {
-            return slot;
+    /// So many free slots; where there are too few, all tiles move to a larger piece of memory first.
+    fn free_slots(&mut self, wanted: usize) -> Vec<Slot<T>> {
+        let slots: Vec<_> = (0..wanted).map_while(|_| self.slab.take()).collect();
+        if slots.len() == wanted {
+            return slots;
         }
-        self.slab = Slab::new(self.tiles.len() * 5 / 4 + 4, self.slab.slot_len());
+        let held = self.tiles.len();
+        self.slab = Slab::new(held + wanted + held / 4 + 3, self.slab.slot_len());
         for tile in &mut self.tiles {
             let mut slot = self.slab.take().expect("it is larger");
             slot.items_mut().copy_from_slice(tile);
@@ -459,20 +461,14 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         fill: impl Fn(u32, u32, &mut [T]) + Sync,
     ) -> Self {
         let mut result = self.clone();
-        let mut renewed = Vec::with_capacity(tiles.len());
-        for (tile, index) in self.tile_indices().enumerate() {
-            if tiles.contains(&index) {
-                renewed.push((tile, result.free_slot()));
-            }
-        }
-        // Taking a slot may have moved all tiles to other memory: what was taken before is lost.
-        let moved = |(_, slot): &(usize, Slot<T>)| !slot.is_of(&result.slab);
-        if renewed.iter().any(moved) {
-            for (_, slot) in &mut renewed {
-                *slot = result.free_slot();
-            }
-        }
-        let numbers: Vec<_> = renewed.iter().map(|(tile, _)| *tile).collect();
+        let renewed = self.tile_indices().enumerate();
+        let numbers: Vec<_> = renewed
+            .filter(|(_, index)| tiles.contains(index))
+            .map(|(tile, _)| tile)
+            .collect();
+        // All at once: who moves for one of them leaves those behind that were taken before.
+        let slots = result.free_slots(numbers.len());
+        let renewed = numbers.iter().copied().zip(slots).collect();
         for (tile, slot) in numbers.into_iter().zip(self.filled(renewed, fill)) {
             result.tiles[tile] = slot;
         }
@@ -632,6 +628,26 @@ mod tests {
         }
         let fresh = TiledRaster::from_fn(300, 600, |col, row| 7 + col + 1000 * row);
         assert_eq!(renewed.tile_posts(tile), fresh.tile_posts(tile));
+    }
+
+    #[test]
+    fn more_tiles_than_there_is_room_for_move_together() {
+        let raster = TiledRaster::from_fn(2000, 1800, |col, row| col + 10_000 * row);
+        let all: Vec<_> = raster.tile_indices().collect();
+        // Snapshots that are held leave their slots to nobody.
+        let mut held = vec![raster];
+        for more in 1..5 {
+            let post = |col: u32, row: u32| more + col + 10_000 * row;
+            let renewed = held[held.len() - 1].with_tiles_renewed(&all, post);
+            let view = renewed.view();
+            for (number, &tile) in all.iter().enumerate() {
+                let posts = renewed.tile_posts(tile);
+                assert_eq!(posts[0], post(tile.col * TILE_CELLS, tile.row * TILE_CELLS));
+                assert_eq!(view.nth(number)[..posts.len()], *posts);
+            }
+            held.push(renewed);
+        }
+        assert_eq!(held[0].post(1999, 1799), 17_991_999);
     }
 
     #[test]
