@@ -6,6 +6,9 @@ use std::cell::UnsafeCell;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// How many items there are at most.
+const MOST: u64 = 1 << 32;
+
 /// Memory for a number of equal slots.
 ///
 /// A slot is written by its only owner and, once shared, never changed: so whoever holds it may
@@ -23,9 +26,18 @@ unsafe impl<T: Send + Sync> Sync for Slab<T> {}
 
 impl<T: Copy + Zeroable> Slab<T> {
     /// Memory for `slots` slots of `slot_len` items. What is not used takes no room yet.
+    ///
+    /// # Panics
+    /// Where that is more than 2³² items: places in it are numbers of 32 bits.
     #[must_use]
     pub fn new(slots: usize, slot_len: usize) -> Arc<Self> {
-        let mut items = bytemuck::zeroed_slice_box::<T>(slots * slot_len);
+        let len = slots
+            .checked_mul(slot_len)
+            .filter(|&len| len as u64 <= MOST);
+        let len = len.unwrap_or_else(|| {
+            panic!("{slots} slots of {slot_len} items have more than 2³² places");
+        });
+        let mut items = bytemuck::zeroed_slice_box::<T>(len);
         use_huge_pages(&mut items);
         let pointer = Box::into_raw(items) as *mut [UnsafeCell<T>];
         // SAFETY: a cell has the layout of what it holds, and the box is ours.
@@ -256,6 +268,13 @@ mod tests {
         assert_eq!(again.index(), 1);
         assert_eq!(slots[0][0], 1);
     }
+
+    #[test]
+    #[should_panic(expected = "65537 slots of 65536 items have more than 2³² places")]
+    fn no_place_is_beyond_what_numbers_tell_apart() {
+        let _ = Slab::<u8>::new(65_537, 65_536);
+    }
+
     #[test]
     fn places_lead_to_the_rest_of_their_slot_or_to_nothing() {
         for len in [1, 2, 3, 10, 257] {

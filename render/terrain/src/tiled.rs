@@ -99,7 +99,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
             slot.items_mut().copy_from_slice(tile);
             *tile = Arc::new(slot);
         }
-        self.slab.take().expect("it is larger")
+        (0..wanted).map_while(|_| self.slab.take()).collect()
     }
 
     /// The memory of all tiles, for reading many posts at a time.
@@ -114,7 +114,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// give the same answer each time.
     ///
     /// # Panics
-    /// Where a side has fewer than 2 posts.
+    /// Where a side has fewer than 2 posts, or where memory for all tiles would have more than 2³² places.
     pub fn from_fn(cols: u32, rows: u32, post: impl Fn(u32, u32) -> T + Sync) -> Self {
         Self::from_rows(cols, rows, each_post(post))
     }
@@ -221,7 +221,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// The first error of `read`.
     ///
     /// # Panics
-    /// Where a side has fewer than 2 posts.
+    /// As [`TiledRaster::from_fn`].
     pub fn try_from_northern_rows<E>(
         cols: u32,
         rows: u32,
