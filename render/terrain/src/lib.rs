@@ -19,9 +19,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`open`] holds one row of tiles beside the ground, never a second copy of a file. [`info`]
-//! describes a file without keeping it. Limits: north-up rasters of up to 2²⁹ cells, strips and
-//! tiles of up to 64 MiB; PNG and JPEG of up to 256 MiB decoded; horizontal datums only.
+//! Beside the ground [`open`] holds one row of tiles, never a second copy of a file, but of a
+//! photograph in PNG or JPEG all decoded pixels. [`info`] describes a file without keeping it.
+//! Limits: north-up rasters of up to 2²⁹ cells, strips and tiles of up to 64 MiB; PNG and JPEG of
+//! up to 256 MiB decoded; horizontal datums only.
 //!
 //! For casters that do not read heights, the ground becomes a [`VoxelVolume`] of densities with
 //! its [`BoundaryArray`], or a [`Pyramid`] of resolutions; both follow edits tile by tile, as do
