@@ -70,11 +70,14 @@ fn cast(prepared: &dyn PreparedScene, views: &[View]) -> Vec<Image> {
 
 fn assert_same_images(ground: Ground, options: &str) {
     let scene = Scene::new(ground);
-    let views = views(&scene);
+    assert_same_views(&scene, &views(&scene), options);
+}
+
+fn assert_same_views(scene: &Arc<Scene>, views: &[View], options: &str) {
     let mut reference: Option<Vec<Image>> = None;
     for (name, caster) in casters(options) {
-        let prepared = caster.prepare(Arc::clone(&scene)).expect("suits");
-        let images = cast(&*prepared, &views);
+        let prepared = caster.prepare(Arc::clone(scene)).expect("suits");
+        let images = cast(&*prepared, views);
         let reference = reference.get_or_insert_with(|| images.clone());
         for (k, (image, expected)) in images.iter().zip(&*reference).enumerate() {
             let is_ground = |depth: &&f32| depth.is_finite();
@@ -125,6 +128,24 @@ fn detail_has_the_same_bytes_on_all() {
         ground(300, 290, hills).with_photo(photo()),
         "&lod=on&cell=8&blur=3",
     );
+}
+
+/// Places that are so many pixels away that numbers have no room for them.
+#[test]
+fn ground_far_from_its_photo_has_the_same_bytes_on_all() {
+    let small = Photo {
+        pixels: TiledRaster::from_fn(310, 400, |x, y| [x as u8, y as u8, 90, 255]),
+        origin: DVec2::new(400.0, 150.0),
+        spacing: DVec2::new(0.006, 0.005),
+    };
+    assert_same_images(ground(300, 290, hills).with_photo(small), "&lod=on");
+    let scene = Scene::new(ground(300, 290, hills));
+    let away = 700_000.0 * DVec3::new(-0.6, -0.6, 0.5);
+    let mut camera = camera(DVec3::new(1500.0, 1200.0, 0.0) + away, 0.0, 0.0, 0.0);
+    camera.attitude.yaw = (-away.x).atan2(-away.y);
+    camera.attitude.pitch = -(away.z / away.truncate().length()).atan();
+    camera.horizontal_fov = 0.003;
+    assert_same_views(&scene, &[camera.view([177, 150])], "&lod=on");
 }
 
 /// What a thread keeps from one sector to the next is not of the next one's ground, nor are the

@@ -5,25 +5,69 @@ use super::frame::Frame;
 use super::sectors::Sector;
 use crate::lanes::Lanes;
 
+/// How long textures are at most, in fixed point: a quarter of what there is room for.
+const ROOM: f64 = (1 << 29) as f64;
+
 /// A texture along one axis, as one sector's rays run along it: in fixed point, from the outer edge
 /// of the first pixel, which all levels share.
 struct Along {
     sign: i32,
-    /// Where the eye is.
-    eye: i32,
+    /// From where on rays' ways are counted, as far as it is from the eye: the eye, unless numbers have no
+    /// room for the way from there to the texture.
+    begin: f32,
+    /// Where that is.
+    from: i32,
+    /// The least and the most that is counted: so far outside of the texture that it does not matter how far.
+    ends: [f32; 2],
     /// Pixels of the finest level.
     pixels: i32,
 }
 
 impl Along {
-    /// Where lies what is `along` from the eye, both in fixed point of the finest level.
+    /// Of an eye at `eye`, in fixed point of so many `parts` a pixel; and whether there is no room for all ways
+    /// to the ground, which are up to `farthest` long.
+    fn new(eye: f64, parts: f64, pixels: u32, sign: i32, farthest: f64) -> (Self, bool) {
+        let eye = (eye * parts).round();
+        let nearest = if sign > 0 {
+            -eye
+        } else {
+            eye - f64::from(pixels) * parts
+        };
+        // Whole, and ways to the texture are as coarse where they are as long: what is left of them has all of
+        // their digits.
+        let is_far = nearest.abs() > ROOM;
+        let begin = if is_far { nearest as f32 } else { 0.0 };
+        let from = eye + f64::from(sign) * f64::from(begin);
+        let [before, behind] = [-ROOM - from, 2.0 * ROOM - from];
+        let along = Self {
+            sign,
+            begin,
+            from: from as i32,
+            ends: if sign > 0 {
+                [before as f32, behind as f32]
+            } else {
+                [-behind as f32, -before as f32]
+            },
+            pixels: pixels as i32,
+        };
+        (along, is_far || farthest * parts > ROOM)
+    }
+
+    /// Ways from the eye as they are counted where there is no room for all of them.
+    #[inline(always)]
+    fn counted<L: Lanes>(&self, l: L, along: L::F) -> L::F {
+        let along = l.sub(along, l.splat(self.begin));
+        l.max(l.min(along, l.splat(self.ends[1])), l.splat(self.ends[0]))
+    }
+
+    /// Where lies what is so far `along`, both in fixed point of the finest level.
     #[inline(always)]
     fn place<L: Lanes>(&self, l: L, along: L::I) -> L::I {
-        let eye = l.splat_i(self.eye);
+        let from = l.splat_i(self.from);
         if self.sign > 0 {
-            l.add_i(eye, along)
+            l.add_i(from, along)
         } else {
-            l.sub_i(eye, along)
+            l.sub_i(from, along)
         }
     }
 
@@ -47,6 +91,12 @@ impl Along {
     }
 }
 
+/// What lies farther aside than textures are long, only so far.
+#[inline(always)]
+fn within_room<L: Lanes>(l: L, aside: L::F) -> L::F {
+    l.max(l.min(aside, l.splat(ROOM as f32)), l.splat(-ROOM as f32))
+}
+
 /// A texture as one sector's rays meet it.
 pub(super) struct Mipmapped<'a> {
     pub(super) frame: &'a TextureFrame<'a>,
@@ -59,6 +109,8 @@ pub(super) struct Mipmapped<'a> {
     /// Bits of fractions, and how many parts a pixel has in fixed point.
     bits: i32,
     parts: f32,
+    /// Whether the eye or the ground's far end may be so far away that there is no room for it.
+    is_far: bool,
 }
 
 /// Where colours lie in a texture.
@@ -89,23 +141,24 @@ impl<'a> Mipmapped<'a> {
         let bits = 15.min(29 - side.trailing_zeros() as i32);
         let parts = f64::from(1 << bits);
         let along = |axis: usize| {
-            let eye = [frame.eye.x, frame.eye.y][axis];
-            let eye = (eye - texture.origin[axis]) / texture.spacing[axis] + 0.5;
-            Along {
-                sign: signs[axis],
-                eye: (eye * parts).round() as i32,
-                pixels: texture.size[axis] as i32,
-            }
+            let (eye, spacing) = ([frame.eye.x, frame.eye.y][axis], texture.spacing[axis]);
+            let cells = f64::from(frame.levels[0].cells[axis]);
+            let farthest = eye.abs().max((cells - eye).abs());
+            let eye = (eye - texture.origin[axis]) / spacing + 0.5;
+            let pixels = texture.size[axis];
+            Along::new(eye, parts, pixels, signs[axis], farthest / spacing)
         };
-        let [x, y] = texture.spacing.map(|spacing| (1.0 / spacing) as f32);
+        let [(x, x_is_far), (y, y_is_far)] = [0, 1].map(along);
+        let scale = texture.spacing.map(|spacing| (1.0 / spacing) as f32);
         Self {
             frame: texture,
             major: sector.major,
-            x: along(0),
-            y: along(1),
-            scale: if sector.major == 0 { [x, y] } else { [y, x] },
+            x,
+            y,
+            scale: [scale[sector.major], scale[1 - sector.major]],
             bits,
             parts: parts as f32,
+            is_far: x_is_far || y_is_far,
         }
     }
 
@@ -131,8 +184,11 @@ impl<'a> Mipmapped<'a> {
     ) -> ([Located<L>; 2], L::M) {
         let parts = l.splat(self.parts);
         let ([x, y], on) = self.place(l, mask, middle);
-        let major = l.to_int(l.mul(halves.aside[0], parts));
-        let minor = l.to_int(l.mul(halves.aside[1], parts));
+        let [mut major, mut minor] = [l.mul(halves.aside[0], parts), l.mul(halves.aside[1], parts)];
+        if self.is_far {
+            (major, minor) = (within_room(l, major), within_room(l, minor));
+        }
+        let (major, minor) = (l.to_int(major), l.to_int(minor));
         let (aside_x, aside_y) = if self.major == 0 {
             (major, minor)
         } else {
@@ -176,14 +232,17 @@ impl<'a> Mipmapped<'a> {
     fn place<L: Lanes>(&self, l: L, mask: L::M, from_eye: [L::F; 2]) -> ([L::I; 2], L::M) {
         let bits = l.splat_i(self.bits);
         let parts = l.splat(self.parts);
-        let major = l.to_int(l.mul(from_eye[0], parts));
-        let minor = l.to_int(l.mul(from_eye[1], parts));
-        let (x, y) = if self.major == 0 {
+        let (major, minor) = (l.mul(from_eye[0], parts), l.mul(from_eye[1], parts));
+        let (mut x, mut y) = if self.major == 0 {
             (major, minor)
         } else {
             (minor, major)
         };
-        let (x, y) = (self.x.place(l, x), self.y.place(l, y));
+        if self.is_far {
+            (x, y) = (self.x.counted(l, x), self.y.counted(l, y));
+        }
+        let x = self.x.place(l, l.to_int(x));
+        let y = self.y.place(l, l.to_int(y));
         let mut on = mask;
         if !self.frame.covers {
             let none = l.splat_i(0);
