@@ -2,34 +2,32 @@
 
 use super::field::Field;
 use super::roofs::FINEST;
-use super::wave::{Ray, Wave, Waves};
+use super::wave::{Ray, Waves};
 use crate::lanes::Lanes;
 
 /// Where rays go that are too far for the resolution that they are in.
 pub(super) struct Coarser<'a> {
-    /// The ground at half the resolution, and the rays on their way over it: near it, and high.
-    pub(super) field: &'a Field<'a>,
-    pub(super) low: &'a mut Wave,
-    pub(super) high: &'a mut Wave,
+    /// The ground at half the resolution, and the rays on their way over it. Behind the coarsest resolution
+    /// there is none, and rays end.
+    next: Option<(&'a Field<'a>, &'a mut Waves)>,
     /// Whether there is a coarser resolution still.
-    pub(super) is_last: bool,
+    is_last: bool,
 }
 
 impl<'a> Coarser<'a> {
     /// What comes behind the resolution numbered `level` of `fields`, of which `waves` are on
-    /// their way over coarser ones.
+    /// their way over coarser ones; `None` where the ground has its own resolution only.
     #[inline(always)]
     pub(super) fn behind(
         fields: &'a [Field<'a>],
         level: usize,
         waves: &'a mut [Waves],
     ) -> Option<Self> {
-        let field = fields.get(level + 1)?;
-        let waves = waves.first_mut()?;
+        if fields.len() == 1 {
+            return None;
+        }
         Some(Self {
-            field,
-            low: &mut waves.low,
-            high: &mut waves.high,
+            next: fields.get(level + 1).zip(waves.first_mut()),
             is_last: level + 2 == fields.len(),
         })
     }
@@ -46,12 +44,15 @@ impl<'a> Coarser<'a> {
         leave: L::F,
         level: Option<L::I>,
     ) {
+        let Some((field, waves)) = &mut self.next else {
+            return;
+        };
         if l.bits(mask) == 0 {
             return;
         }
         let half = l.splat(0.5);
         let t = l.mul(t, half);
-        let leave = l.min(l.mul(leave, half), self.field.end(l, ray.inverse));
+        let leave = l.min(l.mul(leave, half), field.end(l, ray.inverse));
         // Rays that pass have come to where their resolution ends: in cells, each one's ends as far
         // away as the one's before.
         let leave = if self.is_last {
@@ -64,12 +65,12 @@ impl<'a> Coarser<'a> {
             leave,
             ..*ray
         };
-        let cell = self.field.cell_at(l, t, ray.advance);
+        let cell = field.cell_at(l, t, ray.advance);
         if let Some(level) = level {
             let level = l.max_i(l.sub_i(level, l.splat_i(1)), l.splat_i(FINEST as i32));
-            self.high.push_at_level(l, mask, &ray, t, cell, level);
+            waves.high.push_at_level(l, mask, &ray, t, cell, level);
         } else {
-            self.low.push(l, mask, &ray, t, cell);
+            waves.low.push(l, mask, &ray, t, cell);
         }
     }
 }

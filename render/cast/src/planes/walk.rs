@@ -259,7 +259,7 @@ impl Ends<'_, '_> {
 }
 
 /// Which rays meet the ground in their cell. Those that come to where this resolution ends go on to
-/// the coarser one.
+/// the coarser one, if there is one.
 #[inline(always)]
 pub(super) fn hits_here<L: Lanes>(
     l: L,
@@ -274,7 +274,7 @@ pub(super) fn hits_here<L: Lanes>(
     if let Some(coarser) = coarser {
         let ends = l.and_not(mask, l.lt(crossing.next, ray.leave));
         if l.bits(ends) != 0 {
-            // The last cell of a coarse level may reach out over the ground's border.
+            // The last cell of a coarse level may reach out over the ground's border, the coarsest one's too.
             let leave = field.leave(l, ray.inverse, ray.slope);
             hit = l.and_not(hit, l.and(ends, l.lt(leave, met.hit_t)));
             let passes = l.and_not(l.and(ends, l.lt(crossing.next, leave)), hit);

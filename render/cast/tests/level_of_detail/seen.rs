@@ -4,7 +4,7 @@ use crate::ground::{hash, level, mountains, photo};
 use crate::views::{camera, cast};
 use glam::{DVec2, DVec3};
 use sandtable_cast::{Image, Planes, Scene};
-use sandtable_terrain::Ground;
+use sandtable_terrain::{Ground, Photo, TiledRaster};
 use sandtable_view::{Attitude, Camera, Screen, View};
 
 #[test]
@@ -53,6 +53,51 @@ fn a_plane_is_a_plane_at_all_levels_and_ends_where_it_ends() {
             );
         }
     }
+}
+
+/// The cells of all levels but the first reach out over the border, and rays come to the coarsest one before it.
+#[test]
+fn rays_end_at_the_border_at_the_coarsest_level_too() {
+    // 49 by 41 cells: the third level's, of four, reach out by three.
+    let ground = Ground::from_fn(50, 42, DVec2::splat(2.0), |_, _| 7.0).expect("a sound grid");
+    // Too few pixels for closer posts, but close enough for rays.
+    let few = Photo {
+        pixels: TiledRaster::from_fn(8, 8, |_, _| [9, 9, 9, 255]),
+        origin: DVec2::new(9.3, 9.3),
+        spacing: DVec2::splat(0.7),
+    };
+    let scene = Scene::new(ground.with_photo(few));
+    let extent = scene.ground.grid().extent();
+    let views: Vec<_> = (0..32)
+        .map(|k| {
+            let turn = 0.2 * f64::from(k);
+            let away = DVec3::new(turn.cos(), turn.sin(), 0.3);
+            Camera {
+                eye: (0.5 * extent).extend(7.0) + (60.0 + 2.0 * f64::from(k)) * away,
+                attitude: Attitude {
+                    yaw: (-away.x).atan2(-away.y),
+                    pitch: -0.3,
+                    roll: 0.1,
+                },
+                horizontal_fov: 0.9,
+            }
+            .view([120, 90])
+        })
+        .collect();
+    let mut beyond = Vec::new();
+    let images = cast("planes?lod=on&cell=8", &scene, &views);
+    for (k, image) in images.iter().enumerate() {
+        for (i, j) in (0..90).flat_map(|j| (0..120).map(move |i| (i, j))) {
+            if let Some(point) = image.point(i, j) {
+                let inside = point.truncate().min(extent - point.truncate());
+                if inside.min_element() < -0.1 {
+                    beyond.push((k, [i, j], point));
+                }
+            }
+        }
+    }
+    let some = &beyond[..beyond.len().min(9)];
+    assert!(beyond.is_empty(), "{} pixels: {some:.1?}", beyond.len());
 }
 
 /// Wherever the eye is, over the ground or beside it: where a pixel and all around it see ground, it does so
