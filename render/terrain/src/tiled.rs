@@ -289,6 +289,12 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         })
     }
 
+    /// Whether there is such a tile.
+    #[must_use]
+    pub fn has_tile(&self, tile: TileIndex) -> bool {
+        tile.col < self.tiles_across && tile.row < self.tiles.len() as u32 / self.tiles_across
+    }
+
     /// All posts of one tile.
     #[must_use]
     pub fn tile_posts(&self, tile: TileIndex) -> &[T] {

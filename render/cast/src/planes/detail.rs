@@ -60,7 +60,7 @@ impl DetailOptions {
 
 /// Ground and colours at all resolutions.
 pub(super) struct Detail {
-    options: DetailOptions,
+    pub(super) options: DetailOptions,
     /// What levels begin with, where the photo's pixels lie between the ground's own posts.
     refined: Option<Refined>,
     /// Where planes see less of the photo than rays, in the first level's posts.
@@ -139,7 +139,7 @@ impl Detail {
         }
     }
 
-    /// After an edit of `before` that made `ground` of it, in the tiles `changed`.
+    /// After an edit of `before` that made `ground` of it, on the same grid, in the tiles `changed`.
     pub(super) fn updated(&self, before: &Ground, ground: &Ground, changed: &[TileIndex]) -> Self {
         let same_photo = match (before.photo(), ground.photo()) {
             (Some(before), Some(photo)) => before.is_same(photo),
@@ -148,7 +148,7 @@ impl Detail {
         // A wider range of heights gives all heights other tints.
         let same_tints = before.range() == ground.range()
             && before.light().is_some() == ground.light().is_some();
-        if before.grid() != ground.grid() || !same_photo || !same_tints {
+        if !same_photo || !same_tints {
             return Self::new(self.options, ground);
         }
         let refined = self

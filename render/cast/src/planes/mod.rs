@@ -166,6 +166,10 @@ impl UnitCaster for PlanesScene {
         scene: Arc<Scene>,
         changed: &[TileIndex],
     ) -> Result<Arc<dyn PreparedScene>, CastError> {
+        if self.scene.ground.grid() != scene.ground.grid() {
+            let options = self.detail.as_ref().map(|detail| detail.options);
+            return Ok(Arc::new(Self::new(self.isa, options, scene)));
+        }
         Ok(Arc::new(Self {
             isa: self.isa,
             roofs: self.roofs.updated(scene.ground.heights(), changed),
@@ -258,5 +262,50 @@ impl UnitCaster for PlanesScene {
                 tally,
             });
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CastPool, Image};
+    use glam::{DVec2, DVec3};
+    use sandtable_view::{Attitude, Camera};
+
+    #[test]
+    fn another_grid_is_prepared_anew() {
+        let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
+        let ground = |cols: u32, rows: u32| {
+            Scene::new(Ground::from_fn(cols, rows, DVec2::ONE, rough).expect("a sound grid"))
+        };
+        let scenes = [ground(300, 290), ground(290, 600)];
+        let view = Camera {
+            eye: DVec3::new(140.0, -30.0, 60.0),
+            attitude: Attitude {
+                pitch: -0.3,
+                ..Attitude::default()
+            },
+            horizontal_fov: 1.0,
+        }
+        .view([120, 90]);
+        let pool = CastPool::new(1).expect("a thread");
+        let cast = |prepared: &dyn PreparedScene| {
+            let mut image = [Image::default()];
+            pool.cast(prepared, &[view], &mut image).expect("accepted");
+            image
+        };
+        let options = DetailOptions {
+            cell: 1.5,
+            blur: 1.9,
+        };
+        for (before, after) in [(0, 1), (1, 0)] {
+            for options in [None, Some(options)] {
+                let new = |of: usize| PlanesScene::new(Isa::best(), options, scenes[of].clone());
+                let changed: Vec<_> = scenes[after].ground.heights().tile_indices().collect();
+                let updated = UnitCaster::updated(&new(before), scenes[after].clone(), &changed);
+                let updated = cast(&*updated.expect("suits"));
+                assert!(updated == cast(&new(after)), "detail: {options:?}");
+            }
+        }
     }
 }

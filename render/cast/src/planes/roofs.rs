@@ -54,13 +54,13 @@ impl Roofs {
         Self { slab, tiles }
     }
 
-    /// With the `changed` tiles made anew, and the rest shared.
+    /// With the `changed` tiles of the same grid made anew, and the rest shared; places off it are left out.
     pub(super) fn updated(&self, heights: &TiledRaster<f32>, changed: &[TileIndex]) -> Self {
         let across = heights.tiles_across();
         let places: Vec<_> = changed
             .iter()
+            .filter(|&&index| heights.has_tile(index))
             .map(|&index| ((index.row * across + index.col) as usize, index))
-            .filter(|&(slot, _)| slot < self.tiles.len())
             .collect();
         let free: Vec<_> = places.iter().map_while(|_| self.slab.take()).collect();
         if free.len() < places.len() {
@@ -319,7 +319,9 @@ mod tests {
     fn an_edit_is_followed() {
         let before = ground(rough);
         let edited = before.edited(250..258, 100..103, |_, _, height| height + 35.0);
-        let (after, changed) = edited.expect("finite");
+        let (after, mut changed) = edited.expect("finite");
+        // What is off the raster is left out.
+        changed.extend([[2, 0], [0, 2], [9, 9]].map(|[col, row]| TileIndex { col, row }));
         let followed = Roofs::new(before.heights()).updated(after.heights(), &changed);
         let anew = Roofs::new(after.heights());
         let (followed, anew) = (followed.view(), anew.view());

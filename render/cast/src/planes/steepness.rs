@@ -69,7 +69,7 @@ impl Steepness {
         steepness
     }
 
-    /// With the `changed` tiles looked at anew.
+    /// With the `changed` tiles of the same grid looked at anew; places off it are left out.
     pub(super) fn updated(&self, heights: &TiledRaster<f32>, changed: &[TileIndex]) -> Self {
         let mut result = self.clone();
         result.look_at(heights, changed);
@@ -115,9 +115,10 @@ impl Steepness {
         let in_tile = (TILE_CELLS / self.side) as usize;
         let rows_of_blocks: Vec<_> = tiles
             .par_iter()
-            .map(|&tile| rows_of_blocks(heights, tile, side))
+            .filter(|&&tile| heights.has_tile(tile))
+            .map(|&tile| (tile, rows_of_blocks(heights, tile, side)))
             .collect();
-        for (tile, rows) in tiles.iter().zip(rows_of_blocks) {
+        for (tile, rows) in rows_of_blocks {
             let first = tile.row as usize * in_tile * self.across + tile.col as usize * in_tile;
             for (row, blocks) in rows.iter().enumerate() {
                 let first = first + row * self.across;
@@ -190,7 +191,9 @@ mod tests {
         let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 1.7 - 40.0;
         let before = Ground::from_fn(300, 270, DVec2::ONE, rough).expect("a sound grid");
         let edited = before.edited(250..258, 100..103, |_, _, height| height + 35.0);
-        let (after, changed) = edited.expect("finite");
+        let (after, mut changed) = edited.expect("finite");
+        // What is off the raster is left out.
+        changed.extend([[2, 0], [0, 2], [9, 9]].map(|[col, row]| TileIndex { col, row }));
         let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
         assert_eq!(steepness.blocks, Steepness::new(after.heights()).blocks);
         assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
