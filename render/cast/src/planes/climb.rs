@@ -236,10 +236,12 @@ fn line<L: Lanes>(l: L, axis: &Axis, last: L::I) -> L::F {
     l.add(l.to_float(last), l.splat(1.0 - axis.fraction))
 }
 
-/// The mirrored cell at `along`, moved into `first` to `last` where rounding has put it aside. A ray
-/// must not go back to a cell that it has left: it might do so again and again.
+/// The mirrored cell at `along`, moved into `first` to `last` where rounding has put it aside, and to the
+/// ground's last one where that is before the block's. A ray must not go back to a cell that it has left: it
+/// might do so again and again.
 #[inline(always)]
 fn beside<L: Lanes>(l: L, along: L::F, axis: &Axis, first: L::I, last: L::I) -> L::I {
+    let last = l.min_i(last, l.splat_i(axis.cells[1]));
     let cell = l.to_int(l.add(along, l.splat(axis.fraction)));
     l.max_i(l.min_i(cell, last), first)
 }
@@ -277,6 +279,24 @@ mod tests {
     use crate::planes::steepness::Steepness;
     use glam::DVec2;
     use sandtable_terrain::Ground;
+
+    /// Right before the ground's border t · advance may round to its line, where the last block may go on.
+    #[test]
+    fn rays_stay_on_the_ground_of_blocks_that_reach_out_over_its_border() {
+        let l = Portable;
+        let mut rounded = 0;
+        for k in 0..1000_u32 {
+            let axis = Axis::new(-100.0 - 0.37 * f64::from(k), 197, 1);
+            let border = axis.line(axis.cells[1] + 1);
+            for along in [border.next_down(), border, border.next_up()] {
+                rounded += u32::from((along + axis.fraction) as i32 > axis.cells[1]);
+                let [first, last] = [axis.cells[1], axis.cells[1] + 3].map(|cell| l.splat_i(cell));
+                let cell = beside(l, l.splat(along), &axis, first, last);
+                assert_eq!(cell[0], axis.cells[1], "{along} of {border}");
+            }
+        }
+        assert!(rounded > 1000, "{rounded} rounded to behind it");
+    }
 
     /// A ray that goes back to a cell may do so for ever: over ground with high roofs it comes near
     /// to one, is led to it by less than the last digit of t, walks on by a cell, and so on.
