@@ -44,26 +44,56 @@ fn write_whole(
     })
 }
 
-/// Writes an image as PNG or JPEG, by the name's ending.
-pub(crate) fn write_image(path: &Path, image: &RgbaImage) -> Result<()> {
-    let ending = path
-        .extension()
-        .and_then(|ending| ending.to_str())
-        .map(str::to_ascii_lowercase);
-    match ending.as_deref() {
-        Some("png") => write_whole(path, |file| {
-            let encoder = image::codecs::png::PngEncoder::new(file);
-            Ok(image.write_with_encoder(encoder)?)
-        }),
-        Some("jpg" | "jpeg") => write_whole(path, |file| {
-            let rgb: image::RgbImage = image::buffer::ConvertBuffer::convert(image);
-            let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 92);
-            Ok(rgb.write_with_encoder(encoder)?)
-        }),
+/// The forms that images are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ImageForm {
+    /// PNG.
+    Png,
+    /// JPEG.
+    Jpeg,
+}
+
+/// The form of image that a name asks for by its ending.
+pub(crate) fn image_form(path: &Path) -> Result<ImageForm> {
+    match ending(path).as_deref() {
+        Some("png") => Ok(ImageForm::Png),
+        Some("jpg" | "jpeg") => Ok(ImageForm::Jpeg),
         _ => Err(crate::exit::usage(format!(
             "{} does not say which kind of image: let it end in .png or .jpg",
             path.display()
         ))),
+    }
+}
+
+/// Refuses a name for depth that ends as something else does.
+pub(crate) fn check_depth_name(path: &Path) -> Result<()> {
+    match ending(path).as_deref() {
+        Some("tif" | "tiff") => Ok(()),
+        _ => Err(crate::exit::usage(format!(
+            "{} does not say that depth is a TIFF file: let it end in .tif",
+            path.display()
+        ))),
+    }
+}
+
+/// What a name ends in, in small letters.
+fn ending(path: &Path) -> Option<String> {
+    let ending = path.extension()?.to_str()?;
+    Some(ending.to_ascii_lowercase())
+}
+
+/// Writes an image as PNG or JPEG, by the name's ending.
+pub(crate) fn write_image(path: &Path, image: &RgbaImage) -> Result<()> {
+    match image_form(path)? {
+        ImageForm::Png => write_whole(path, |file| {
+            let encoder = image::codecs::png::PngEncoder::new(file);
+            Ok(image.write_with_encoder(encoder)?)
+        }),
+        ImageForm::Jpeg => write_whole(path, |file| {
+            let rgb: image::RgbImage = image::buffer::ConvertBuffer::convert(image);
+            let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 92);
+            Ok(rgb.write_with_encoder(encoder)?)
+        }),
     }
 }
 

@@ -12,6 +12,7 @@ mod live;
 mod navigation;
 mod notice;
 mod offer;
+mod overwriting;
 mod partial;
 mod resident;
 mod rig;

@@ -5,12 +5,23 @@ use crate::exit::usage;
 use anyhow::Result;
 use sandtable_cast::{CASTERS, Caster, CasterKind, Planes, Scene, caster_by_name, caster_kind};
 use sandtable_terrain::{Terrain, TerrainSource};
+use std::path::Path;
 use std::sync::Arc;
 
 impl TerrainArgs {
     /// The terrain's name, as it was given or the default one's.
     pub(crate) fn source(&self) -> &str {
         self.terrain.as_deref().unwrap_or("builtin:jacksboro")
+    }
+
+    /// The files that are read, each with what it is.
+    pub(crate) fn files(&self) -> [(&'static str, Option<&Path>); 2] {
+        let terrain = self.terrain.as_deref();
+        let file = terrain.filter(|name| !name.starts_with("builtin:"));
+        [
+            ("the terrain", file.map(Path::new)),
+            ("the photo", self.photo.as_deref()),
+        ]
     }
 }
 

@@ -1,6 +1,6 @@
 //! `sandtable fly`: opens the table; without a display, writes a flight to a file instead.
 
-use crate::cli::FlyArgs;
+use crate::cli::{FlyArgs, TerrainArgs};
 use crate::exit::usage;
 use crate::film::Film;
 use crate::guide::GuideSetup;
@@ -10,7 +10,7 @@ use crate::session::Session;
 use crate::tape::{self, Tape};
 use crate::tour::Tour;
 use crate::window::{Display, WindowError, WindowOptions};
-use crate::{rig, scene};
+use crate::{overwriting, rig, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::CastPool;
 use sandtable_config::{Rig, StereoMode as RigStereo, Viewing};
@@ -63,6 +63,9 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
         Some(replay) => tape::terrain(replay, &args.terrain)?,
         None => args.terrain.clone(),
     };
+    if display.is_err() {
+        refuse_overwriting(args, &terrain)?;
+    }
     let is_table = matches!(rig.viewing, Viewing::Table(_));
     let caster = scene::caster_at_detail(&args.caster, args.lod, is_table)?;
     let open = scene::open(&terrain)?;
@@ -118,6 +121,24 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
             without_display(args, &why, &mut session, replay, &pool)
         }
     }
+}
+
+/// Refuses a flight's files that would take the place of what is read, or of one another.
+fn refuse_overwriting(args: &FlyArgs, terrain: &TerrainArgs) -> Result<()> {
+    let [terrain, photo] = terrain.files();
+    let rig = args.rig.as_deref().filter(|name| rig::is_file(name));
+    overwriting::refuse(
+        [
+            terrain,
+            photo,
+            ("the rig", rig.map(Path::new)),
+            ("the recording", args.replay.as_deref()),
+        ],
+        [
+            ("--output", Some(&*args.output)),
+            ("--audio", args.audio.as_deref()),
+        ],
+    )
 }
 
 fn open_replay(path: &Path) -> Result<Replay> {

@@ -2,9 +2,9 @@
 
 use crate::cli::{RenderArgs, StereoArg};
 use crate::exit::usage;
-use crate::files::{write_depth, write_image};
+use crate::files::{check_depth_name, image_form, write_depth, write_image};
 use crate::film::whole_frame;
-use crate::{scene, track};
+use crate::{overwriting, scene, track};
 use anyhow::{Context, Result};
 use sandtable_cast::{CastPool, Image};
 use sandtable_stage::compose;
@@ -13,6 +13,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    // Before anything is read or cast: a wrong name should cost neither a wait nor a file.
+    refuse_overwriting(args)?;
+    if args.path.is_none() {
+        image_form(&args.output)?;
+    }
+    args.depth.as_deref().map_or(Ok(()), check_depth_name)?;
     let caster = scene::caster_at_detail(&args.caster, args.lod, false)?;
     let view_file = args.view.as_deref().map(read_view).transpose()?;
     if let Some(path) = &args.path {
@@ -33,6 +39,24 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         write_depth(path, &images[0])?;
     }
     Ok(())
+}
+
+/// Refuses outputs that would take the place of what is read, or of one another.
+fn refuse_overwriting(args: &RenderArgs) -> Result<()> {
+    let [terrain, photo] = args.terrain.files();
+    overwriting::refuse(
+        [
+            terrain,
+            photo,
+            ("the view", args.view.as_deref()),
+            ("the track", args.path.as_deref()),
+        ],
+        [
+            ("--output", Some(&*args.output)),
+            ("--depth", args.depth.as_deref()),
+            ("--audio", args.audio.as_deref()),
+        ],
+    )
 }
 
 /// Reads a view file, naming it in errors.

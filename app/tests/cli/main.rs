@@ -14,6 +14,7 @@ mod gloves;
 mod help;
 mod info;
 mod output;
+mod overwriting;
 mod program;
 mod recording;
 mod render;

@@ -11,7 +11,7 @@ use crate::command::render::read_view;
 use crate::exit::usage;
 use crate::notice::notice;
 use crate::scene::ChosenCaster;
-use crate::{files, scene};
+use crate::{files, overwriting, scene};
 use anyhow::Result;
 use contest::Contest;
 use sandtable_cast::{CASTERS, standpoints};
@@ -24,6 +24,11 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
     if args.frames == 0 {
         return Err(usage("--frames must be at least 1"));
     }
+    let view_files = args.view.iter().map(|view| ("a view", Some(&**view)));
+    overwriting::refuse(
+        args.terrain.files().into_iter().chain(view_files),
+        [("--plot", args.plot.as_deref())],
+    )?;
     let casters = match args.caster.as_slice() {
         [] => vec![scene::caster(CASTERS[0].name)?],
         names => names
