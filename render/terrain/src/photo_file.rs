@@ -1,5 +1,6 @@
 //! Photographs in files, and where they lie over a terrain.
 
+mod jpeg;
 mod picture;
 mod tiff;
 

@@ -261,6 +261,24 @@ fn png() -> Vec<u8> {
 }
 
 #[test]
+fn a_torn_jpeg_is_refused_wherever_it_ends() {
+    let mut whole = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_fn(64, 48, |x, y| image::Rgb([4 * x as u8, 5 * y as u8, 9]))
+        .write_to(&mut whole, image::ImageFormat::Jpeg)
+        .unwrap();
+    let whole = whole.into_inner();
+    with_picture("photo.jpg", &whole, &[]).unwrap();
+    // What follows the picture, as phones append a second one, is not looked at.
+    with_picture("photo.jpg", &[&whole[..], b"more"].concat(), &[]).unwrap();
+    for kept in [whole.len() - 2, whole.len() - 40, whole.len() / 2] {
+        let error = with_picture("photo.jpg", &whole[..kept], &[]).unwrap_err();
+        for part in ["photo.jpg", "copy or download it again"] {
+            assert!(error.contains(part), "{kept} bytes: {error}");
+        }
+    }
+}
+
+#[test]
 fn pictures_are_stretched_or_laid_by_their_world_file() {
     let notes = with_picture("photo.png", &png(), &[]).unwrap();
     assert!(

@@ -1,6 +1,6 @@
 //! PNG and JPEG pictures.
 
-use super::{PhotoFile, Pixel, Place};
+use super::{PhotoFile, Pixel, Place, jpeg};
 use crate::TerrainError;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::path::Path;
@@ -28,6 +28,7 @@ impl Picture {
                 ),
             });
         }
+        let is_jpeg = reader.format() == Some(ImageFormat::Jpeg);
         let damaged = |error: image::ImageError| TerrainError::Picture {
             path: path.to_owned(),
             problem: error.to_string(),
@@ -50,6 +51,9 @@ impl Picture {
             });
         }
         check_compressed_size(path, decoder.total_bytes())?;
+        if is_jpeg {
+            check_jpeg_end(path)?;
+        }
         let mut limits = Limits::default();
         limits.max_alloc = Some(2 * MAX_BYTES);
         decoder.set_limits(limits).map_err(damaged)?;
@@ -74,6 +78,19 @@ fn check_compressed_size(path: &Path, decoded: u64) -> Result<(), TerrainError> 
         ));
     }
     Ok(())
+}
+
+/// Refuses a JPEG file that ends before its picture does.
+fn check_jpeg_end(path: &Path) -> Result<(), TerrainError> {
+    let bytes = std::fs::read(path).map_err(|error| TerrainError::io(path, error))?;
+    if jpeg::is_whole(&bytes) {
+        return Ok(());
+    }
+    Err(TerrainError::Picture {
+        path: path.to_owned(),
+        problem: format!("it breaks off after {} bytes, before its end", bytes.len()),
+        remedy: "copy or download it again".into(),
+    })
 }
 
 impl PhotoFile for Picture {
