@@ -23,6 +23,10 @@ const RATE: u32 = 30;
 /// The longest film, in frames: an hour.
 const LONGEST: f64 = 3600.0 * RATE as f64;
 
+/// No track is so many metres above or below the sea, nor flown so high above the ground. Rays from
+/// much farther away take very long.
+const HIGHEST: f64 = 1e5;
+
 /// Seconds of flight over which the camera's heading looks ahead.
 const AHEAD: f64 = 2.0;
 
@@ -35,8 +39,10 @@ pub(crate) fn render(
 ) -> Result<()> {
     let open = scene::open(&args.terrain)?;
     let (speed, height) = (args.flight[0], args.flight[1]);
-    if !(speed > 0.0 && speed.is_finite() && height.is_finite()) {
-        return Err(usage("--flight needs a speed above 0 and a height"));
+    if !(speed > 0.0 && speed.is_finite() && height.abs() <= HIGHEST) {
+        return Err(usage(format_args!(
+            "--flight needs a speed above 0 and a height of at most {HIGHEST} m"
+        )));
     }
     let track = Track::read(path, &open.georeference, &open.scene.ground, speed, height)?;
     let frames = (track.seconds() * f64::from(RATE)).ceil().max(1.0);
@@ -139,7 +145,19 @@ impl Track {
                 )
             })?;
         let mut places = Vec::with_capacity(waypoints.len());
-        for point in &waypoints {
+        for (number, point) in (1..).zip(&waypoints) {
+            if let Some(elevation) = point.elevation
+                && !(-HIGHEST..=HIGHEST).contains(&elevation)
+            {
+                let place = point.point();
+                bail!(
+                    "{}: point {number} of the track, at {} N, {} E, has the elevation {elevation:e} m; \
+                     correct it (metres, from -{HIGHEST} to {HIGHEST}) or leave it out",
+                    path.display(),
+                    place.y(),
+                    place.x()
+                );
+            }
             let degrees = DVec2::new(point.point().x(), point.point().y());
             let at = georeference.world_from_wgs84(degrees).with_context(|| {
                 format!("cannot place the track {} on the terrain", path.display())

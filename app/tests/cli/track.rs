@@ -101,6 +101,32 @@ fn tracks_that_cannot_be_flown_are_refused_and_the_last_film_stays() {
     assert_eq!(folder.names(), ["hike.avi", "hike.gpx", "v.toml"]);
 }
 
+/// Posts around 46.005 N, 8.005 E, all at sea level.
+const FLAT: &str = "ncols 3\nnrows 3\nxllcorner 8\nyllcorner 46\ncellsize 0.004\n\
+                    0 0 0\n0 0 0\n0 0 0\n";
+
+#[test]
+fn an_elevation_that_no_place_has_is_refused_by_its_point() {
+    let folder = Folder::new();
+    folder.write("flat.asc", FLAT);
+    folder.write("v.toml", VIEW);
+    for odd in ["1e400", "1e300", "-100001", "NaN", "inf"] {
+        let odd = format!("<ele>{odd}</ele>");
+        // Times, so that the film is short however far it is.
+        let at = |ele: &str, second| format!("{ele}<time>2026-05-01T10:00:0{second}Z</time>");
+        let [first, last] = [at("<ele>90</ele>", 0), at(&odd, 1)];
+        let points = [(46.005, 8.005, &*first), (46.006, 8.006, &*last)];
+        folder.write("hike.gpx", track(&points));
+        let refused = folder.run(&film("flat.asc", ""));
+        refused.failed(
+            1,
+            &["hike.gpx", "point 2", "46.006 N, 8.006 E", "elevation"],
+        );
+    }
+    let refused = folder.run(&film("flat.asc", " --flight 100 1e300"));
+    refused.failed(2, &["--flight", "100000 m"]);
+}
+
 #[test]
 fn a_film_in_an_unknown_form_is_refused() {
     let Some([terrain, _]) = park() else { return };
