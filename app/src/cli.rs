@@ -188,7 +188,7 @@ pub(crate) struct FlyArgs {
     pub(crate) lod: Option<OnOff>,
 
     /// Casting threads; 0 takes one for each core.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub(crate) threads: usize,
 
     /// Open no window: write the flight to a file, as where there is no display.
@@ -264,7 +264,7 @@ pub(crate) struct RenderArgs {
     pub(crate) lod: Option<OnOff>,
 
     /// Casting threads; 0 takes one for each core.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub(crate) threads: usize,
 
     /// How the work is shared out among them: stealing, interleave or pool.
@@ -385,6 +385,20 @@ fn parse_cell(text: &str) -> Result<(u32, u32), String> {
     ))
 }
 
+/// The most casting threads: more than any machine has processors for one program, and each takes
+/// memory.
+const MOST_THREADS: usize = 1024;
+
+/// A number of casting threads.
+fn parse_threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse::<usize>().ok();
+    threads
+        .filter(|threads| *threads <= MOST_THREADS)
+        .ok_or_else(|| {
+            format!("{text:?} is not a whole number from 0 (one for each core) to {MOST_THREADS}")
+        })
+}
+
 /// How many times as fast a recording is replayed.
 fn parse_replay_speed(text: &str) -> Result<f64, String> {
     let speed = text.parse::<f64>().ok();
@@ -409,6 +423,27 @@ mod tests {
         assert!(cli.command.is_none());
         assert_eq!(cli.fly.terrain.terrain.as_deref(), Some("mountains.tif"));
         assert_eq!(cli.fly.stereo, Some(StereoArg::Anaglyph));
+    }
+
+    #[test]
+    fn no_command_starts_threads_without_end() {
+        for command in ["fly", "render", "bench", "reproduce wan1999"] {
+            let parse = |threads: &str| {
+                let line = format!("sandtable {command} --threads {threads}");
+                let view = ["--view=v.toml", "--output=i.png"];
+                let view = view.iter().filter(|_| command == "render");
+                Cli::try_parse_from(line.split(' ').chain(view.copied()))
+            };
+            assert!(parse("1024").is_ok(), "{command}");
+            for odd in ["1025", "100000", "99999999999999999999", "-1", "many"] {
+                let error = parse(odd).unwrap_err();
+                assert_eq!(error.exit_code(), 2);
+                assert!(
+                    error.to_string().contains("to 1024") || odd == "-1",
+                    "{error}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Arguments of `bench` and `casters`.
 
-use super::TerrainArgs;
+use super::{TerrainArgs, parse_threads};
 use clap::{Args, ValueEnum};
 use sandtable_cast::Scheme;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub(crate) struct BenchArgs {
     pub(crate) caster: Vec<String>,
 
     /// Casting threads; may be repeated.
-    #[arg(long, value_name = "N", default_values_t = [1, 2])]
+    #[arg(long, value_name = "N", default_values_t = [1, 2], value_parser = parse_threads)]
     pub(crate) threads: Vec<usize>,
 
     /// How the work is shared out among them, stealing, interleave or pool; may be repeated.

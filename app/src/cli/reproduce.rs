@@ -1,5 +1,6 @@
 //! Arguments of `reproduce`.
 
+use super::parse_threads;
 use clap::{Args, ValueEnum};
 use std::fmt;
 use std::path::PathBuf;
@@ -18,7 +19,7 @@ pub(crate) struct ReproduceArgs {
     pub(crate) out: Option<PathBuf>,
 
     /// Casting threads beside one; 0 takes one for each core.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub(crate) threads: usize,
 
     /// Frames timed for each figure; otherwise from 5, for the slowest paper, to 201, for the
