@@ -20,6 +20,7 @@ use crate::window::GuideStep;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sandtable_cast::Scheme;
 use sandtable_stage::StereoMode;
+use std::ffi::OsString;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -79,7 +80,7 @@ const TERRAIN_HELP: &str = "A GeoTIFF, SRTM .hgt or ESRI ASCII grid, or builtin:
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TerrainArgs {
     #[arg(help = TERRAIN_HELP)]
-    pub(crate) terrain: Option<String>,
+    pub(crate) terrain: Option<OsString>,
 
     /// A photograph to lay over it: GeoTIFF, PNG or JPEG in the same coordinate system.
     #[arg(long, value_name = "FILE")]
@@ -421,7 +422,7 @@ mod tests {
     fn flying_needs_no_command() {
         let cli = Cli::parse_from(["sandtable", "mountains.tif", "--stereo", "anaglyph"]);
         assert!(cli.command.is_none());
-        assert_eq!(cli.fly.terrain.terrain.as_deref(), Some("mountains.tif"));
+        assert_eq!(cli.fly.terrain.terrain, Some("mountains.tif".into()));
         assert_eq!(cli.fly.stereo, Some(StereoArg::Anaglyph));
     }
 

@@ -5,21 +5,22 @@ use crate::exit::usage;
 use anyhow::Result;
 use sandtable_cast::{CASTERS, Caster, CasterKind, Planes, Scene, caster_by_name, caster_kind};
 use sandtable_terrain::{Terrain, TerrainSource};
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
 impl TerrainArgs {
     /// The terrain's name, as it was given or the default one's.
-    pub(crate) fn source(&self) -> &str {
-        self.terrain.as_deref().unwrap_or("builtin:jacksboro")
+    pub(crate) fn source(&self) -> &OsStr {
+        let default = || OsStr::new("builtin:jacksboro");
+        self.terrain.as_deref().unwrap_or_else(default)
     }
 
     /// The files that are read, each with what it is.
     pub(crate) fn files(&self) -> [(&'static str, Option<&Path>); 2] {
-        let terrain = self.terrain.as_deref();
-        let file = terrain.filter(|name| !name.starts_with("builtin:"));
+        let is_file = !TerrainSource::is_builtin(self.source());
         [
-            ("the terrain", file.map(Path::new)),
+            ("the terrain", is_file.then_some(Path::new(self.source()))),
             ("the photo", self.photo.as_deref()),
         ]
     }
@@ -37,7 +38,7 @@ pub(crate) struct OpenScene {
 
 /// Opens the terrain that `args` name, and says what was noteworthy about it.
 pub(crate) fn open(args: &TerrainArgs) -> Result<OpenScene> {
-    let source: TerrainSource = args.source().parse().map_err(usage)?;
+    let source = TerrainSource::named(args.source()).map_err(usage)?;
     let Terrain {
         name,
         ground,

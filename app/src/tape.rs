@@ -63,7 +63,8 @@ impl Tape {
         let value = placement.map(serde_json::to_value).transpose()?;
         let recorder = Recorder::create(path, session.rig(), value.as_ref(), start)?;
         let recorded = RecordedTerrain {
-            source: terrain.source().to_owned(),
+            // A recording holds text: a name that is none is recorded as it is shown, like a photo's.
+            source: terrain.source().display().to_string(),
             photo: terrain
                 .photo
                 .as_ref()
@@ -146,7 +147,7 @@ pub(crate) fn terrain(replay: &Replay, given: &TerrainArgs) -> Result<TerrainArg
         "the recording's /session/terrain cannot be understood; name the terrain yourself",
     )?;
     Ok(TerrainArgs {
-        terrain: Some(recorded.source),
+        terrain: Some(recorded.source.into()),
         photo: given
             .photo
             .clone()

@@ -180,6 +180,29 @@ fn the_ending_says_which_kind_of_image() {
     assert_eq!(folder.names(), ["deep", "v.toml"]);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terrains_name_need_not_be_unicode() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new();
+    let name = std::ffi::OsStr::from_bytes(b"fl\xe4che.asc");
+    let grid = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2\n3 4\n";
+    std::fs::write(folder.path().join(name), grid).unwrap();
+    folder.write("v.toml", VIEW);
+    for arguments in [
+        "render --view v.toml -o i.png",
+        "bench --view v.toml --threads 1 --frames 1",
+        "fly --headless --size 16x16 --seconds 0.05 -o f.avi",
+    ] {
+        let mut command = sandtable(folder.path());
+        Ended::of(command.args(arguments.split(' ')).arg(name)).done();
+    }
+    let mut command = sandtable(folder.path());
+    let odd = std::ffi::OsStr::from_bytes(b"builtin:fl\xe4che");
+    let arguments = ["render", "--view", "v.toml", "-o", "i.png"];
+    Ended::of(command.args(arguments).arg(odd)).failed(2, &["no builtin terrain"]);
+}
+
 #[test]
 fn an_unknown_caster_is_told_the_casters() {
     let folder = Folder::new();

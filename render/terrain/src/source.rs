@@ -1,5 +1,6 @@
 //! Names of terrains: a file, or `builtin:NAME?size=N&seed=S`.
 
+use std::ffi::OsStr;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -56,6 +57,26 @@ pub enum SourceError {
     /// Nothing was named.
     #[error("no terrain is named; give a DEM file, builtin:ridges or builtin:jacksboro")]
     Empty,
+}
+
+impl TerrainSource {
+    /// As [`FromStr`], for names as the operating system has them: a file's need not be Unicode.
+    ///
+    /// # Errors
+    /// [`SourceError`], which names what is wrong.
+    pub fn named(name: &OsStr) -> Result<Self, SourceError> {
+        match name.to_str() {
+            Some(text) => text.parse(),
+            None if Self::is_builtin(name) => name.to_string_lossy().parse(),
+            None => Ok(Self::File(name.into())),
+        }
+    }
+
+    /// Whether a name is a built-in terrain's, be there such a one or not.
+    #[must_use]
+    pub fn is_builtin(name: &OsStr) -> bool {
+        name.as_encoded_bytes().starts_with(PREFIX.as_bytes())
+    }
 }
 
 impl FromStr for TerrainSource {
