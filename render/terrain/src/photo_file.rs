@@ -2,6 +2,7 @@
 
 mod jpeg;
 mod picture;
+mod stretch;
 mod tiff;
 
 use crate::raster::{WorldFile, check_size, first_bytes, is_tiff, sidecar};

@@ -268,3 +268,47 @@ fn sixteen_bits_are_stretched_and_said() {
         "{notes:?}"
     );
 }
+
+/// The ground under a picture that is written as a PNG, on the same cells.
+fn pictured(picture: impl Into<image::DynamicImage>) -> (Ground, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("photo.png");
+    picture.into().save(&path).unwrap();
+    let source = TerrainSource::File(fixture("int16_tiles_none_1"));
+    let terrain = open(&source, Some(&path)).unwrap();
+    (terrain.ground, terrain.notes)
+}
+
+#[test]
+fn sixteen_bits_look_the_same_in_a_png_as_in_a_tiff() {
+    let value = |step: u32, at: u32| (1000 + 16 * step * at) as u16;
+    let rgb = |col, row| [value(5, col), value(6, row), value(5, col)];
+    let (tiff, said) = photographed("photo_16");
+    let (png, notes) = pictured(image::ImageBuffer::from_fn(COLS, ROWS, |col, row| {
+        image::Rgb(rgb(col, row))
+    }));
+    let [tiff, png] = [&tiff, &png].map(|ground| &ground.photo().unwrap().pixels);
+    for (col, row) in all_cells() {
+        assert_eq!(png.post(col, row), tiff.post(col, row), "at {col}, {row}");
+    }
+    let stretch = said.iter().find(|note| note.contains("16-bit")).unwrap();
+    assert!(notes.contains(stretch), "{notes:?}");
+}
+
+#[test]
+fn sixteen_bits_may_be_grey_and_have_holes() {
+    let (ground, _) = pictured(image::ImageBuffer::from_fn(COLS, ROWS, |col, row| {
+        let cover = if in_disc(col, row) { 0 } else { u16::MAX };
+        image::LumaA([(1000 + 50 * col) as u16, cover])
+    }));
+    let photo = ground.photo().unwrap();
+    for (col, row) in all_cells() {
+        let [red, green, blue, cover] = photo.pixels.post(col, ROWS - 1 - row);
+        assert_eq!(cover == 0, in_disc(col, row), "at {col}, {row}");
+        assert!(red == green && green == blue && (cover == 0 || red >= 6 * col as u8));
+    }
+    // All white is white.
+    let white = image::ImageBuffer::from_pixel(COLS, ROWS, image::Luma([u16::MAX]));
+    let photo = pictured(white).0;
+    assert_eq!(photo.photo().unwrap().pixels.post(3, 3), [255; 4]);
+}

@@ -1,5 +1,6 @@
 //! PNG and JPEG pictures.
 
+use super::stretch::{Counts, Stretch, covered};
 use super::{PhotoFile, Pixel, Place, jpeg};
 use crate::TerrainError;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -11,6 +12,8 @@ const MAX_BYTES: u64 = 256 << 20;
 /// A decoded picture.
 pub(super) struct Picture {
     image: DynamicImage,
+    /// What is shown of 16-bit values.
+    stretch: Option<Stretch>,
 }
 
 impl Picture {
@@ -58,7 +61,10 @@ impl Picture {
         limits.max_alloc = Some(2 * MAX_BYTES);
         decoder.set_limits(limits).map_err(damaged)?;
         DynamicImage::from_decoder(decoder)
-            .map(|image| Self { image })
+            .map(|image| Self {
+                stretch: sixteen_bits(&image).map(|samples| samples.stretch()),
+                image,
+            })
             .map_err(damaged)
     }
 }
@@ -93,6 +99,54 @@ fn check_jpeg_end(path: &Path) -> Result<(), TerrainError> {
     })
 }
 
+/// The samples of a picture of 16 bits: grey or red, green and blue, each with coverage or without.
+struct SixteenBits<'a> {
+    samples: &'a [u16],
+    channels: usize,
+}
+
+/// The samples of a picture, if they have 16 bits.
+fn sixteen_bits(image: &DynamicImage) -> Option<SixteenBits<'_>> {
+    let samples = image.as_flat_samples_u16()?;
+    Some(SixteenBits {
+        samples: samples.samples,
+        channels: usize::from(samples.layout.channels),
+    })
+}
+
+impl SixteenBits<'_> {
+    fn pixels(&self) -> std::slice::ChunksExact<'_, u16> {
+        self.samples.chunks_exact(self.channels)
+    }
+
+    fn colours(&self, channels: &[u16]) -> [u16; 3] {
+        match *channels {
+            [red, green, blue, ..] => [red, green, blue],
+            _ => [channels[0]; 3],
+        }
+    }
+
+    /// What is to be shown, by the measure that photographs in TIFF files have.
+    fn stretch(&self) -> Stretch {
+        let mut counts = Counts::new();
+        for channels in self.pixels() {
+            self.colours(channels)
+                .iter()
+                .for_each(|&colour| counts.add(colour));
+        }
+        counts.stretch()
+    }
+
+    fn pixel(&self, channels: &[u16], stretch: Stretch) -> Pixel {
+        let has_cover = self.channels.is_multiple_of(2);
+        if has_cover && channels[self.channels - 1] < u16::MAX / 2 {
+            return [0; 4];
+        }
+        let colours = self.colours(channels).map(f32::from);
+        covered(colours.map(|colour| stretch.shown(colour)))
+    }
+}
+
 impl PhotoFile for Picture {
     fn size(&self) -> [u32; 2] {
         self.image.dimensions().into()
@@ -100,6 +154,13 @@ impl PhotoFile for Picture {
 
     fn read_rows(&mut self, first: u32, into: &mut [Pixel]) -> Result<(), TerrainError> {
         let cols = self.image.width();
+        if let (Some(samples), Some(stretch)) = (sixteen_bits(&self.image), self.stretch) {
+            let begin = first as usize * cols as usize;
+            for (pixel, channels) in into.iter_mut().zip(samples.pixels().skip(begin)) {
+                *pixel = samples.pixel(channels, stretch);
+            }
+            return Ok(());
+        }
         for (row, pixels) in into.chunks_mut(cols as usize).enumerate() {
             for (col, pixel) in pixels.iter_mut().enumerate() {
                 let [red, green, blue, alpha] =
@@ -116,6 +177,6 @@ impl PhotoFile for Picture {
     }
 
     fn notes(&self) -> Vec<String> {
-        Vec::new()
+        self.stretch.map(Stretch::note).into_iter().collect()
     }
 }

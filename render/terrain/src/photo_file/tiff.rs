@@ -1,5 +1,6 @@
 //! Photographs in TIFF files.
 
+use super::stretch::{Counts, Stretch, covered};
 use super::{PhotoFile, Pixel, Place};
 use crate::TerrainError;
 use crate::raster::{GeoTiff, RasterFile, Samples};
@@ -8,16 +9,14 @@ use tiff_reader::{ColorModel, ExtraSample};
 
 /// Bytes of decoded channels to ask of the reader at once.
 const CHUNK_BYTES: u32 = 8 << 20;
-/// Shares of all samples that 16-bit photographs may clip at each end.
-const CLIPPED: f64 = 0.002;
 
 pub(super) struct TiffPhoto {
     file: GeoTiff,
     layout: Channels,
     /// The sample value that stands for no pixel where all colours have it.
     nodata: Option<u16>,
-    /// Lowest and highest sample shown, for 16-bit files.
-    stretch: Option<[u16; 2]>,
+    /// What is shown of a 16-bit file's values.
+    stretch: Option<Stretch>,
     notes: Vec<String>,
 }
 
@@ -103,32 +102,23 @@ impl TiffPhoto {
     /// The range that holds nearly all samples of a 16-bit photograph.
     fn find_stretch(&mut self) -> Result<(), TerrainError> {
         let [_, rows] = self.size();
-        let mut counts: Vec<u64> = Vec::new();
+        let mut counts = Counts::new();
         for first in (0..rows).step_by(self.rows_at_once() as usize) {
             let chunk = first..rows.min(first + self.rows_at_once());
             let colours = self.file.read_colours(chunk)?;
             let Samples::Sixteen(samples) = colours.samples else {
                 return Ok(());
             };
-            counts.resize(1 << 16, 0);
             for pixel in samples.chunks_exact(colours.channels) {
                 let colours = self.layout.colours.map(|channel| pixel[channel]);
                 if !colours.iter().all(|&colour| Some(colour) == self.nodata) {
-                    colours
-                        .iter()
-                        .for_each(|&colour| counts[usize::from(colour)] += 1);
+                    colours.iter().for_each(|&colour| counts.add(colour));
                 }
             }
         }
-        let clipped = (counts.iter().sum::<u64>() as f64 * CLIPPED) as u64;
-        let (low, high) = (
-            value_beyond(counts.iter().enumerate(), clipped),
-            value_beyond(counts.iter().enumerate().rev(), clipped),
-        );
-        self.stretch = Some([low, high.max(low.saturating_add(1))]);
-        self.notes.push(format!(
-            "the photograph's 16-bit values from {low} to {high} are shown as 0 to 255"
-        ));
+        let stretch = counts.stretch();
+        self.stretch = Some(stretch);
+        self.notes.push(stretch.note());
         Ok(())
     }
 
@@ -148,28 +138,14 @@ impl TiffPhoto {
             return [0; 4];
         }
         let premultiplied = matches!(self.layout.alpha, Some((_, Alpha::Premultiplied)));
-        let [red, green, blue] = colours.map(|colour| {
+        covered(colours.map(|colour| {
             let mut colour = f32::from(colour);
             if premultiplied {
                 colour *= f32::from(full) / f32::from(cover);
             }
-            if let Some([low, high]) = self.stretch {
-                colour = (colour - f32::from(low)) * 255.0 / f32::from(high - low);
-            }
-            (colour + 0.5).clamp(0.0, 255.0) as u8
-        });
-        [red, green, blue, 255]
+            self.stretch.map_or(colour, |stretch| stretch.shown(colour))
+        }))
     }
-}
-
-/// The first value with more than `skipped` samples up to it.
-fn value_beyond<'a>(mut counts: impl Iterator<Item = (usize, &'a u64)>, skipped: u64) -> u16 {
-    let mut seen = 0;
-    let found = counts.find(|(_, count)| {
-        seen += **count;
-        seen > skipped
-    });
-    found.map_or(0, |(value, _)| value as u16)
 }
 
 impl PhotoFile for TiffPhoto {
