@@ -17,6 +17,16 @@ pub enum TerrainError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A folder, or something that cannot be read here and there as a file can.
+    #[error("{} is {found} and no file; {remedy}", path.display())]
+    NoFile {
+        /// What was named.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     /// The file has no byte.
     #[error("{} is empty (0 bytes); copy or download it again", path.display())]
     Empty {

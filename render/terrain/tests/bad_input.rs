@@ -48,10 +48,31 @@ fn empty_files_and_foreign_formats_are_named() {
     );
     message("dem.dat", b"\x89PNG\r\n\x1a\n", &["PNG", "gdal_translate"]);
     message("dem.zip", b"PK\x03\x04", &["zip", "unpack"]);
-    assert!(matches!(
-        open(&TerrainSource::File(fixtures()), None),
-        Err(TerrainError::UnknownFormat { .. })
-    ));
+}
+
+#[test]
+fn folders_and_pipes_are_no_files() {
+    let ground = TerrainSource::File(fixtures().join("bigtiff.tif"));
+    let folder = tempfile::tempdir().unwrap();
+    let mut odd = vec![(folder.path().to_owned(), "is a folder")];
+    if cfg!(target_os = "linux") {
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        odd.push((pipe, "is a pipe"));
+    }
+    for (path, what) in odd {
+        for error in [
+            open(&TerrainSource::File(path.clone()), None).unwrap_err(),
+            open(&ground, Some(&path)).unwrap_err(),
+            info(&path, &[]).unwrap_err(),
+        ] {
+            let error = error.to_string();
+            let named = error.contains(path.to_str().unwrap());
+            assert!(named && error.contains(what), "{error}");
+            assert!(!error.contains("gdal_translate"), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -238,14 +238,24 @@ pub(crate) fn is_tiff(start: &[u8]) -> bool {
 /// The first bytes of a file that has any, and its length.
 pub(crate) fn first_bytes(path: &Path) -> Result<(Vec<u8>, u64), TerrainError> {
     let io = |error| TerrainError::io(path, error);
-    let file = std::fs::File::open(path).map_err(io)?;
-    let metadata = file.metadata().map_err(io)?;
-    if metadata.is_dir() {
-        return Err(TerrainError::UnknownFormat {
+    // Looked at before it is opened: that would wait for a pipe's other end.
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        let (found, remedy) = if metadata.is_dir() {
+            ("a folder", "name a file in it")
+        } else {
+            (
+                "a pipe or a device",
+                "write what comes out of it to a file first",
+            )
+        };
+        return Err(TerrainError::NoFile {
             path: path.to_owned(),
-            found: "a folder".into(),
+            found,
+            remedy,
         });
     }
+    let file = std::fs::File::open(path).map_err(io)?;
     let mut start = Vec::new();
     file.take(4096).read_to_end(&mut start).map_err(io)?;
     if start.is_empty() {
