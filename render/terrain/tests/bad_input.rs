@@ -183,6 +183,7 @@ fn an_ascii_grid_may_be_laid_out_in_any_way() {
     for text in [
         format!("{GRID}1\n2\n3\n4\n-9\n6"),
         format!("{GRID}1 2 3 4 -9 6").replace('\n', "\r\n"),
+        format!("\u{feff}{GRID}1 2 3\n4 -9 6"),
         "NROWS 2\tNCOLS 3 XLLCENTER 12.5 YLLCENTER 22.5 DX 5 DY 5 nodata_value -9 1 2 3 4 -9 6"
             .into(),
     ] {

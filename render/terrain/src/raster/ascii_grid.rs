@@ -12,8 +12,12 @@ const MAX_WORD: usize = 400;
 const KEYS: &str = "ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize (or dx \
                     and dy), NODATA_value";
 
+/// What some programs put before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Whether a file's first bytes begin a header.
 pub(super) fn looks_like_one(start: &[u8]) -> bool {
+    let start = start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start);
     let start = start.trim_ascii_start();
     [
         &b"ncols"[..],
@@ -54,6 +58,7 @@ impl AsciiGrid {
             line: 1,
             bytes: 0,
         };
+        words.pass_byte_order_mark()?;
         let mut keys = Keys::default();
         let first = loop {
             match words.next()? {
@@ -349,6 +354,19 @@ struct Word {
 }
 
 impl Words {
+    /// Begins behind the mark, where the file begins with one.
+    fn pass_byte_order_mark(&mut self) -> Result<(), TerrainError> {
+        let start = self
+            .reader
+            .fill_buf()
+            .map_err(|source| TerrainError::io(&self.path, source))?;
+        if start.starts_with(BYTE_ORDER_MARK) {
+            self.reader.consume(BYTE_ORDER_MARK.len());
+            self.bytes += BYTE_ORDER_MARK.len() as u64;
+        }
+        Ok(())
+    }
+
     fn next(&mut self) -> Result<Option<Word>, TerrainError> {
         let there = self.advance()?;
         Ok(there.then(|| Word {

@@ -13,7 +13,9 @@ fn read(path: &Path) -> Result<String, TerrainError> {
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(io)?;
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(io)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let text = String::from_utf8_lossy(&bytes);
+    // Some programs put a byte order mark before text in UTF-8.
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
 /// The CRS in the `.prj` beside a raster, where there is one.
