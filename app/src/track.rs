@@ -1,5 +1,7 @@
 //! Flights along recorded tracks (GPX).
 
+mod file;
+
 use crate::cli::RenderArgs;
 use crate::exit::usage;
 use crate::film::Film;
@@ -47,9 +49,14 @@ pub(crate) fn render(
     let track = Track::read(path, &open.georeference, &open.scene.ground, speed, height)?;
     let frames = (track.seconds() * f64::from(RATE)).ceil().max(1.0);
     if frames > LONGEST {
+        let remedy = if track.is_timed {
+            "cut the track into parts, or take its times out, so that it is flown at the speed of \
+             --flight SPEED HEIGHT"
+        } else {
+            "give a higher speed: --flight SPEED HEIGHT"
+        };
         bail!(
-            "the flight along {} takes {:.0} s, but a film may last an hour; \
-             give a higher speed: --flight SPEED HEIGHT (times in the track are followed as they are)",
+            "the flight along {} takes {:.0} s, but a film may last an hour; {remedy}",
             path.display(),
             track.seconds()
         );
@@ -107,6 +114,8 @@ pub(crate) fn render(
 #[derive(Debug)]
 struct Track {
     points: Vec<(f64, DVec3)>,
+    /// Whether the seconds are the file's own.
+    is_timed: bool,
 }
 
 impl Track {
@@ -122,10 +131,7 @@ impl Track {
         speed: f64,
         height: f64,
     ) -> Result<Self> {
-        let file = std::fs::File::open(path)
-            .with_context(|| format!("cannot open the track {}", path.display()))?;
-        let gpx = gpx::read(std::io::BufReader::new(file))
-            .with_context(|| format!("{} is not a GPX file that can be read", path.display()))?;
+        let gpx = file::read(path)?;
         let waypoints: Vec<gpx::Waypoint> = gpx
             .tracks
             .into_iter()
@@ -189,7 +195,10 @@ impl Track {
                 points.push((seconds, place));
             }
         }
-        Ok(Self { points })
+        Ok(Self {
+            points,
+            is_timed: times.is_some(),
+        })
     }
 
     fn seconds(&self) -> f64 {

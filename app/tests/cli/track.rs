@@ -128,6 +128,43 @@ fn an_elevation_that_no_place_has_is_refused_by_its_point() {
 }
 
 #[test]
+fn a_track_that_takes_longer_than_a_film_may_is_told_what_shortens_it() {
+    let folder = Folder::new();
+    folder.write("flat.asc", FLAT);
+    folder.write("v.toml", VIEW);
+    let at = |hour| format!("<ele>90</ele><time>2026-05-01T{hour}:00:00Z</time>");
+    let [first, last] = [at("10"), at("12")];
+    let points = [(46.005, 8.005, &*first), (46.006, 8.006, &*last)];
+    folder.write("hike.gpx", track(&points));
+    let refused = folder.run(&film("flat.asc", ""));
+    let said = refused.failed(1, &["hike.gpx", "7200 s", "take its times out"]);
+    assert!(!said.contains("higher speed"), "{said}");
+    folder.write(
+        "hike.gpx",
+        track(&points.map(|(lat, lon, _)| (lat, lon, ""))),
+    );
+    let refused = folder.run(&film("flat.asc", " --flight 0.001 100"));
+    let said = refused.failed(1, &["hike.gpx", "higher speed"]);
+    assert!(!said.contains("times"), "{said}");
+}
+
+#[test]
+fn a_track_that_cannot_be_read_is_told_where() {
+    let folder = Folder::new();
+    folder.write("flat.asc", FLAT);
+    folder.write("v.toml", VIEW);
+    folder.write("hike.gpx", track(&[(46.0, 8.0, "<ele>\n\nhigh</ele>")]));
+    let refused = folder.run(&film("flat.asc", ""));
+    refused.failed(
+        1,
+        &["hike.gpx", "line 3", "a number", "export the track anew"],
+    );
+    std::fs::create_dir(folder.file("hikes")).unwrap();
+    let refused = folder.run("render flat.asc --path hikes -o hike.avi");
+    refused.failed(1, &["hikes is a folder", "name a file in it"]);
+}
+
+#[test]
 fn a_film_in_an_unknown_form_is_refused() {
     let Some([terrain, _]) = park() else { return };
     let folder = Folder::new();
