@@ -103,6 +103,19 @@ fn people_read_size_extent_statistics_and_cells() {
 }
 
 #[test]
+fn a_builtin_terrain_is_said_to_be_no_file() {
+    let folder = Folder::new();
+    for name in ["builtin:jacksboro", "builtin:ridges?size=65"] {
+        folder
+            .run(&format!("info {name}"))
+            .failed(2, &[name, "is built in", "render"]);
+    }
+    folder
+        .run("info builtin:alps")
+        .failed(2, &["alps", "builtin:jacksboro"]);
+}
+
+#[test]
 fn a_cell_outside_is_refused_with_the_range() {
     let folder = Folder::new();
     folder.write("grid.asc", GRID);
