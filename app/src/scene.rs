@@ -39,6 +39,13 @@ pub(crate) struct OpenScene {
 /// Opens the terrain that `args` name, and says what was noteworthy about it.
 pub(crate) fn open(args: &TerrainArgs) -> Result<OpenScene> {
     let source = TerrainSource::named(args.source()).map_err(usage)?;
+    if let Some(word @ ("on" | "off")) = args.source().to_str()
+        && !Path::new(word).exists()
+    {
+        return Err(usage(format_args!(
+            "there is no terrain {word:?}; if it was meant for --lod, write --lod={word}"
+        )));
+    }
     let Terrain {
         name,
         ground,

@@ -131,6 +131,23 @@ fn terrain_that_is_not_there() {
 }
 
 #[test]
+fn a_word_for_level_of_detail_that_stands_apart_is_told_how_to_join_it() {
+    let folder = Folder::new();
+    folder.write("v.toml", VIEW);
+    for word in ["on", "off"] {
+        folder
+            .run(&format!("render --lod {word} --view v.toml -o i.png"))
+            .failed(2, &[&format!("--lod={word}")]);
+    }
+    // A file may be called so.
+    folder.write(
+        "on",
+        "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2\n3 4\n",
+    );
+    folder.run("render --lod on --view v.toml -o i.png").done();
+}
+
+#[test]
 fn a_photograph_that_is_none_or_lies_elsewhere() {
     let folder = Folder::new();
     folder.write("v.toml", VIEW);
