@@ -240,14 +240,21 @@ pub(crate) struct InfoArgs {
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 #[command(
+    override_usage = "sandtable render [OPTIONS] <--view <FILE>|--path <FILE>> --output <FILE> [TERRAIN]",
     after_help = "Examples:\n  sandtable render mountains.tif --view ridge.toml -o ridge.png --depth ridge.tif\n  \
-    sandtable render mountains.tif --path hike.gpx -o hike.avi --audio hike.wav"
+    sandtable render mountains.tif --path hike.gpx -o hike.avi --audio hike.wav\n\n\
+    A view file, in metres east, north and up of the terrain's south-west post, and degrees:\n  \
+    size = [640, 360]\n  \
+    eye = [15000.0, -500.0, 3000.0]\n  \
+    camera = { yaw = 0.0, pitch = -8.0, roll = 0.0, horizontal_fov = 60.0 }\n\
+    yaw is the heading, clockwise from north; pitch is up and roll right wing down where positive.\n\
+    docs/views.md has the rest: two eyes, and a window in place of a camera."
 )]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) terrain: TerrainArgs,
 
-    /// The view file: size, eye, and camera or screen.
+    /// The view file: size, eye, and camera or screen (docs/views.md; see the example below).
     #[arg(long, value_name = "FILE", required_unless_present = "path")]
     pub(crate) view: Option<PathBuf>,
 

@@ -34,6 +34,26 @@ fn every_command_that_takes_something_has_an_example() {
 }
 
 #[test]
+fn renders_help_says_that_a_view_or_a_path_is_needed_and_how_a_view_is_written() {
+    let folder = Folder::new();
+    let said = folder.run("render --help").done().out;
+    let usage = said.lines().find(|line| line.starts_with("Usage:"));
+    assert!(
+        usage.is_some_and(|line| line.contains("<--view <FILE>|--path <FILE>>")),
+        "{said}"
+    );
+    assert!(said.contains("docs/views.md"), "{said}");
+    // The view in the help is one.
+    let lines = said.lines().map(str::trim_start);
+    let keys = ["size = ", "eye = ", "camera = "];
+    let view = lines.filter(|line| keys.iter().any(|key| line.starts_with(key)));
+    folder.write("v.toml", view.collect::<Vec<_>>().join("\n"));
+    folder
+        .run("render builtin:ridges?size=33 --view v.toml -o i.png")
+        .done();
+}
+
+#[test]
 fn the_program_lists_its_commands_and_tells_its_version() {
     let folder = Folder::new();
     let said = folder.run("--help").done().out;

@@ -204,6 +204,27 @@ fn a_terrains_name_need_not_be_unicode() {
 }
 
 #[test]
+fn the_views_that_the_documentation_shows_see_the_terrain() {
+    let folder = Folder::new();
+    let page = include_str!("../../../docs/views.md");
+    let views: Vec<_> = page.split("```toml\n").skip(1).collect();
+    assert_eq!(views.len(), 2);
+    for view in views {
+        let (view, _) = view.split_once("```").expect("its end");
+        folder.write("v.toml", view);
+        folder
+            .run("render --view v.toml --stereo side-by-side -o i.png --depth d.tif")
+            .done();
+        let (_, values) = depth(&folder.file("d.tif"));
+        let ground = values.iter().filter(|depth| depth.is_finite()).count();
+        assert!(
+            2 * ground > values.len(),
+            "{ground} pixels of ground:\n{view}"
+        );
+    }
+}
+
+#[test]
 fn an_unknown_caster_is_told_the_casters() {
     let folder = Folder::new();
     folder.write("v.toml", VIEW);
