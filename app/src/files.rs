@@ -99,13 +99,14 @@ pub(crate) fn write_image(path: &Path, image: &RgbaImage) -> Result<()> {
 
 /// Writes depth in metres as a float32 TIFF of one band, infinite for sky.
 pub(crate) fn write_depth(path: &Path, image: &Image) -> Result<()> {
-    // The encoder seeks, so the file is made in memory first: it is the size of the image.
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    tiff::encoder::TiffEncoder::new(&mut bytes)?
-        .write_image::<tiff::encoder::colortype::Gray32Float>(
-            image.width(),
-            image.height(),
-            &image.depth,
-        )?;
-    write_whole(path, |file| Ok(file.write_all(bytes.get_ref())?))
+    write_whole(path, |file| {
+        let mut encoder = tiff::encoder::TiffEncoder::new(file)?;
+        Ok(
+            encoder.write_image::<tiff::encoder::colortype::Gray32Float>(
+                image.width(),
+                image.height(),
+                &image.depth,
+            )?,
+        )
+    })
 }

@@ -25,8 +25,8 @@ const RATE: u32 = 30;
 /// The longest film, in frames: an hour.
 const LONGEST: f64 = 3600.0 * RATE as f64;
 
-/// No track is so many metres above or below the sea, nor flown so high above the ground. Rays from
-/// much farther away take very long.
+/// No track is so many metres above or below the sea, nor flown so high above the ground. Rays from an
+/// eye at no finite place would each be led over all of the ground.
 const HIGHEST: f64 = 1e5;
 
 /// Seconds of flight over which the camera's heading looks ahead.

@@ -6,8 +6,9 @@ use crate::files::{check_depth_name, image_form, write_depth, write_image};
 use crate::film::whole_frame;
 use crate::{overwriting, scene, track};
 use anyhow::{Context, Result};
+use image::RgbaImage;
 use sandtable_cast::{CastPool, Image};
-use sandtable_stage::compose;
+use sandtable_stage::compose_into;
 use sandtable_view::{View, ViewFile, ViewFileError};
 use std::path::Path;
 use std::sync::Arc;
@@ -31,10 +32,19 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         .context("cannot start the casting threads")?
         .with_scheme(args.scheme);
     let prepared = pool.run(|| caster.caster.prepare(Arc::clone(&open.scene)))?;
+    // Before the cast, which is lost where there is no memory for what is written of it.
+    let mut frame = blank(whole_frame(args.stereo.mode(), view_file.size()))?;
     let mut images = vec![Image::default(); views.len()];
     pool.cast(&*prepared, &views, &mut images)?;
 
-    write_image(&args.output, &composed(&images, args.stereo))?;
+    compose_into(
+        &images[0],
+        images.last().unwrap_or(&images[0]),
+        args.stereo.mode(),
+        false,
+        &mut frame,
+    );
+    write_image(&args.output, &frame)?;
     if let Some(path) = &args.depth {
         write_depth(path, &images[0])?;
     }
@@ -74,15 +84,18 @@ fn views(file: &ViewFile, stereo: StereoArg) -> Result<Vec<View>, ViewFileError>
     }
 }
 
-/// The images of one frame, each eye at its own full size, as one picture.
-fn composed(images: &[Image], stereo: StereoArg) -> image::RgbaImage {
-    let mode = stereo.mode();
-    let frame = whole_frame(mode, images[0].view.size);
-    compose(
-        &images[0],
-        images.last().unwrap_or(&images[0]),
-        mode,
-        false,
-        frame,
-    )
+/// A frame in which each eye has its own full size, to be filled.
+fn blank([width, height]: [u32; 2]) -> Result<RgbaImage> {
+    let bytes = 4 * width as usize * height as usize;
+    let mut pixels = Vec::new();
+    let given = pixels.try_reserve_exact(bytes);
+    given.ok().with_context(|| {
+        format!(
+            "a picture of {width} by {height} pixels needs {} MiB of memory, which the system does \
+             not give; make `size` in the view file smaller",
+            bytes >> 20
+        )
+    })?;
+    pixels.resize(bytes, 0);
+    RgbaImage::from_raw(width, height, pixels).context("a picture has four bytes a pixel")
 }

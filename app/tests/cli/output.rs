@@ -53,6 +53,35 @@ fn a_full_disk_is_one_error_and_what_was_there_stays() {
     );
 }
 
+/// Runs the program where it may have no more than 1.5 GB of memory.
+#[cfg(target_os = "linux")]
+fn with_little_memory(folder: &Folder, arguments: &str) -> Ended {
+    let program = env!("CARGO_BIN_EXE_sandtable");
+    let script = format!("ulimit -v 1500000; exec '{program}' {arguments}");
+    let mut command = Command::new("sh");
+    isolate(&mut command, folder.path());
+    Ended::of(command.args(["-c", &script]))
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_there_is_not_is_one_error_with_how_much_and_what_to_make_smaller() {
+    let folder = grid_and_view();
+    let render = "render --threads 1 --view v.toml -o i.png";
+    let failed = with_little_memory(&folder, &format!("{render} 'builtin:ridges?size=16385'"));
+    failed.failed(1, &["size=16385", "MiB of memory", "a smaller terrain"]);
+    for [width, height] in [[32_768, 32_768], [16_384, 16_384]] {
+        let size = format!("[{width}, {height}]");
+        folder.write("v.toml", VIEW.replace("[400, 300]", &size));
+        let failed = with_little_memory(&folder, &format!("{render} grid.asc"));
+        failed.failed(
+            1,
+            &[&format!("{width} by {height}"), "MiB of memory", "smaller"],
+        );
+    }
+    assert_eq!(folder.names(), ["grid.asc", "v.toml"]);
+}
+
 /// What prints figures and paths: a script must hear that they are lost.
 const PRINTING: [&str; 5] = [
     "info grid.asc",

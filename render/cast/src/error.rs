@@ -43,6 +43,15 @@ pub enum CastError {
         /// What is wrong.
         error: VoxelError,
     },
+    /// There is not the memory for an image.
+    #[error(
+        "an image of {} by {} pixels needs {} MiB of memory, which the system does not give; \
+         make it smaller", size[0], size[1], memory_of(*size) >> 20
+    )]
+    NoMemory {
+        /// Its pixels across and down.
+        size: [u32; 2],
+    },
     /// The caster's algorithm is not made for such a view.
     #[error("{caster} cannot cast this view: {reason}")]
     View {
@@ -51,4 +60,9 @@ pub enum CastError {
         /// What is wrong with the view, and what would do.
         reason: String,
     },
+}
+
+/// Bytes of an image's colours and depths.
+fn memory_of([width, height]: [u32; 2]) -> u64 {
+    (u64::from(width) * u64::from(height)).saturating_mul(8)
 }

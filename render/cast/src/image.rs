@@ -1,5 +1,6 @@
 //! What a caster fills: colour and depth of one view.
 
+use crate::CastError;
 use glam::DVec3;
 use sandtable_terrain::use_huge_pages;
 use sandtable_view::{Screen, View};
@@ -59,18 +60,34 @@ impl Image {
     }
 
     /// Makes it an image of `view`, of the right size; the old pixels' memory is reused.
+    ///
+    /// # Panics
+    /// Where there is not the memory for it.
     pub fn reset(&mut self, view: View) {
+        self.try_reset(view)
+            .unwrap_or_else(|refused| panic!("{refused}"));
+    }
+
+    /// As [`Image::reset`], without a panic.
+    ///
+    /// # Errors
+    /// [`CastError::NoMemory`] where the system does not give it; the image is then as it was.
+    pub fn try_reset(&mut self, view: View) -> Result<(), CastError> {
+        let refused = |_| CastError::NoMemory { size: view.size };
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        self.view = view;
         self.colour
-            .reserve_exact(pixels.saturating_sub(self.colour.len()));
+            .try_reserve_exact(pixels.saturating_sub(self.colour.len()))
+            .map_err(refused)?;
         self.depth
-            .reserve_exact(pixels.saturating_sub(self.depth.len()));
+            .try_reserve_exact(pixels.saturating_sub(self.depth.len()))
+            .map_err(refused)?;
+        self.view = view;
         use_huge_pages(self.colour.spare_capacity_mut());
         use_huge_pages(self.depth.spare_capacity_mut());
         self.colour
             .resize(pixels, u32::from_ne_bytes([0, 0, 0, 255]));
         self.depth.resize(pixels, f32::INFINITY);
+        Ok(())
     }
 
     /// Red, green, blue (sRGB-encoded) and 255 of each pixel, row by row from the top.
@@ -87,5 +104,32 @@ impl Image {
     /// Colours as words, and depths, to be filled by several threads.
     pub(crate) fn words_mut(&mut self) -> (&mut [u32], &mut [f32]) {
         (&mut self.colour, &mut self.depth)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_that_there_is_not_is_an_error_and_the_image_stays() {
+        let mut image = Image::default();
+        let small = View {
+            size: [3, 2],
+            ..image.view
+        };
+        image.reset(small);
+        let size = [u32::MAX; 2];
+        let refused = image.try_reset(View { size, ..small }).unwrap_err();
+        assert_eq!(refused, CastError::NoMemory { size });
+        assert_eq!((image.width(), image.colour().len()), (3, 6));
+        let said = CastError::NoMemory {
+            size: [32_768, 16_384],
+        };
+        let said = said.to_string();
+        assert!(
+            said.contains("32768 by 16384") && said.contains("4096 MiB"),
+            "{said}"
+        );
     }
 }

@@ -60,7 +60,7 @@ impl<C: UnitCaster> PreparedScene for C {
         assert_eq!(views.len(), images.len(), "one image a view");
         let frames = frames(self, views)?;
         for (image, view) in images.iter_mut().zip(views) {
-            image.reset(*view);
+            image.try_reset(*view)?;
         }
         let canvases: Vec<_> = images.iter_mut().map(Canvas::new).collect();
         // The job's units are those of its views, one view after the other.
@@ -82,7 +82,7 @@ impl<C: UnitCaster> PreparedScene for C {
 
     fn work(&self, view: &View) -> Result<Work, CastError> {
         let mut image = Image::default();
-        image.reset(*view);
+        image.try_reset(*view)?;
         let canvas = Canvas::new(&mut image);
         let Some(frame) = &frames(self, std::slice::from_ref(view))?[0] else {
             return Ok(Work::default());

@@ -30,17 +30,31 @@ pub fn compose(
     swap: bool,
     size: [u32; 2],
 ) -> RgbaImage {
+    let mut frame = RgbaImage::new(size[0], size[1]);
+    compose_into(left, right, mode, swap, &mut frame);
+    frame
+}
+
+/// As [`compose`], into a frame that is there already, whatever it holds.
+pub fn compose_into(
+    left: &Image,
+    right: &Image,
+    mode: StereoMode,
+    swap: bool,
+    frame: &mut RgbaImage,
+) {
     let pair = StereoPair { left, right };
     let StereoPair { left, right } = if swap { pair.swapped() } else { pair };
+    let size = [frame.width(), frame.height()];
     let [width, height] = size;
-    RgbaImage::from_fn(width, height, |i, j| {
+    for (i, j, pixel) in frame.enumerate_pixels_mut() {
         // The pixel's centre within the part of the frame from `first` to `end`.
         let place = |first: [u32; 2], end: [u32; 2]| Place {
             x: ((i - first[0]) as f32 + 0.5) / (end[0] - first[0]) as f32,
             y: ((j - first[1]) as f32 + 0.5) / (end[1] - first[1]) as f32,
         };
         let whole = || place([0, 0], size);
-        Rgba(match mode {
+        *pixel = Rgba(match mode {
             StereoMode::Mono => sample(left, whole()),
             StereoMode::SideBySide => {
                 let middle = width / 2;
@@ -63,8 +77,8 @@ pub fn compose(
                 let [_, green, blue, _] = sample(right, whole());
                 [red, green, blue, 255]
             }
-        })
-    })
+        });
+    }
 }
 
 /// The image's colour at `place`, bilinear between pixel centres, in the encoded (sRGB) values.

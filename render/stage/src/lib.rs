@@ -31,7 +31,7 @@ mod presenter;
 mod reaction;
 mod screenshot;
 
-pub use compose::compose;
+pub use compose::{compose, compose_into};
 pub use device::{Gpu, GpuError};
 pub use frame::{Composing, FramePainter, Panel};
 pub use mode::{StereoMode, UnknownStereoMode};

@@ -1,6 +1,6 @@
 //! What can go wrong between a file and the ground, said with file, place and remedy.
 
-use crate::GroundError;
+use crate::{GroundError, NoMemory};
 use std::path::{Path, PathBuf};
 
 /// Why a terrain, a photograph or a description of either could not be had.
@@ -199,6 +199,17 @@ pub enum TerrainError {
         /// Rows there are.
         height: u32,
     },
+    /// There is not the memory for a file's heights or pixels.
+    #[error(
+        "{}: {source}; cut a part out with: gdal_translate -srcwin 0 0 4096 4096 {} part.tif",
+        path.display(), path.display()
+    )]
+    NoMemory {
+        /// The file.
+        path: PathBuf,
+        /// How much it needs.
+        source: NoMemory,
+    },
     /// The heights make no ground.
     #[error("{name}: {source}")]
     Ground {
@@ -212,6 +223,14 @@ pub enum TerrainError {
 impl TerrainError {
     pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
         Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// What becomes of memory that is not given for a file's content.
+    pub(crate) fn no_memory(path: &Path) -> impl FnOnce(NoMemory) -> Self {
+        |source| Self::NoMemory {
             path: path.to_owned(),
             source,
         }

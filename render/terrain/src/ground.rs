@@ -3,7 +3,7 @@
 mod refined;
 
 use crate::colour::{hypsometric, relief_light};
-use crate::{Photo, Rgb, TileIndex, TiledRaster};
+use crate::{NoMemory, Photo, Rgb, TileIndex, TiledRaster};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::{Add, Mul, Sub};
@@ -56,6 +56,9 @@ pub enum GroundError {
     /// A height is NaN or infinite.
     #[error("a height is not a finite number (in tile column {}, row {})", .0.col, .0.row)]
     NotFinite(TileIndex),
+    /// There is not the memory for all posts.
+    #[error("{0}; take a smaller terrain, or a part of this one")]
+    NoMemory(#[from] NoMemory),
 }
 
 /// The posts that had no height in the source and were filled in.
@@ -147,8 +150,8 @@ impl Ground {
     /// Builds the ground from heights in metres, lit as shaded relief.
     ///
     /// # Errors
-    /// [`GroundError`] where the grid has no cell, its spacing is no length, or a height is not
-    /// finite.
+    /// [`GroundError`] where the grid has no cell, its spacing is no length, a height is not
+    /// finite, or there is not the memory for it.
     pub fn new(heights: TiledRaster<f32>, spacing: DVec2) -> Result<Self, GroundError> {
         let grid = Grid {
             cols: heights.cols(),
@@ -173,7 +176,7 @@ impl Ground {
             .collect::<Result<Vec<_>, _>>()?;
         let range = span(&tile_ranges);
         Ok(Self {
-            light: Some(relief(&heights, spacing)),
+            light: Some(try_relief(&heights, spacing)?),
             grid,
             heights,
             tile_ranges,
@@ -196,7 +199,7 @@ impl Ground {
         if cols < 2 || rows < 2 {
             return Err(GroundError::TooSmall { cols, rows });
         }
-        Self::new(TiledRaster::from_fn(cols, rows, height), spacing)
+        Self::new(TiledRaster::try_from_fn(cols, rows, height)?, spacing)
     }
 
     /// The ground with a photograph over it, in place of any that it has. Where that covers all of it, the
@@ -375,7 +378,12 @@ fn span(ranges: &[[f32; 2]]) -> [f32; 2] {
 
 /// The shaded relief of all posts.
 fn relief(heights: &TiledRaster<f32>, spacing: DVec2) -> TiledRaster<u8> {
-    TiledRaster::from_fn(heights.cols(), heights.rows(), |col, row| {
+    try_relief(heights, spacing).unwrap_or_else(|refused| panic!("{refused}"))
+}
+
+/// As [`relief`], with an error where there is not the memory for it.
+fn try_relief(heights: &TiledRaster<f32>, spacing: DVec2) -> Result<TiledRaster<u8>, NoMemory> {
+    TiledRaster::try_from_fn(heights.cols(), heights.rows(), |col, row| {
         light_at(heights, spacing, col, row)
     })
 }

@@ -88,7 +88,7 @@ pub(crate) fn terrain_from_raster(
         ));
     }
     let scaling = Scaling::of(path, &header, &mut notes)?;
-    let (mut heights, holes) = read_heights(raster, &header, &scaling, progress)?;
+    let (mut heights, holes) = read_heights(path, raster, &header, &scaling, progress)?;
     let cells = u64::from(header.width) * u64::from(header.height);
     if holes == cells {
         return Err(TerrainError::AllNodata {
@@ -172,6 +172,7 @@ fn metres_per_height_unit(unit: &str) -> Option<f64> {
 
 /// Heights in metres, NaN where there is none, and how many there are of those.
 fn read_heights(
+    path: &Path,
     raster: &mut dyn RasterFile,
     header: &Header,
     scaling: &Scaling,
@@ -182,8 +183,12 @@ fn read_heights(
     let width = header.width as usize;
     let mut stored = Vec::new();
     let mut holes = 0;
-    let heights =
-        TiledRaster::try_from_northern_rows(header.width, header.height, |first, into| {
+    let refused = TerrainError::no_memory(path);
+    let heights = TiledRaster::try_from_northern_rows(
+        header.width,
+        header.height,
+        refused,
+        |first, into| {
             let mut row = first;
             for chunk in into.chunks_mut(at_once as usize * width) {
                 let rows = (chunk.len() / width) as u32;
@@ -199,6 +204,7 @@ fn read_heights(
                 progress(row as f32 / header.height as f32);
             }
             Ok::<(), TerrainError>(())
-        })?;
+        },
+    )?;
     Ok((heights, holes))
 }

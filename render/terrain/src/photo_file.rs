@@ -68,8 +68,10 @@ pub(crate) fn read_photo(
     }
     let edges = edges(path, &place, terrain, grid, [cols, rows], &mut notes)?;
     compare_crs(path, place.crs.as_ref(), terrain, edges, grid, &mut notes)?;
-    let pixels =
-        TiledRaster::try_from_northern_rows(cols, rows, |first, into| file.read_rows(first, into))?;
+    let refused = TerrainError::no_memory(path);
+    let pixels = TiledRaster::try_from_northern_rows(cols, rows, refused, |first, into| {
+        file.read_rows(first, into)
+    })?;
     let [west, south, east, north] = edges;
     let south_west = terrain.world_from_crs(DVec2::new(west, south));
     let extent = terrain.world_from_crs(DVec2::new(east, north)) - south_west;

@@ -1,5 +1,6 @@
 //! Memory in equal slots: tiles that lie in one piece, however they come and go.
 
+use crate::NoMemory;
 use crate::huge_pages::use_huge_pages;
 use bytemuck::Zeroable;
 use std::cell::UnsafeCell;
@@ -28,27 +29,39 @@ impl<T: Copy + Zeroable> Slab<T> {
     /// Memory for `slots` slots of `slot_len` items. What is not used takes no room yet.
     ///
     /// # Panics
-    /// Where that is more than 2³² items: places in it are numbers of 32 bits.
+    /// As [`Slab::try_new`] has it, and where the system does not give it.
     #[must_use]
     pub fn new(slots: usize, slot_len: usize) -> Arc<Self> {
+        Self::try_new(slots, slot_len).unwrap_or_else(|refused| panic!("{refused}"))
+    }
+
+    /// As [`Slab::new`], without a panic where the system does not give it.
+    ///
+    /// # Errors
+    /// [`NoMemory`] where the system does not give it.
+    ///
+    /// # Panics
+    /// Where that is more than 2³² items: places in it are numbers of 32 bits.
+    pub fn try_new(slots: usize, slot_len: usize) -> Result<Arc<Self>, NoMemory> {
         let len = slots
             .checked_mul(slot_len)
             .filter(|&len| len as u64 <= MOST);
         let len = len.unwrap_or_else(|| {
             panic!("{slots} slots of {slot_len} items have more than 2³² places");
         });
-        let mut items = bytemuck::zeroed_slice_box::<T>(len);
+        let mut items = bytemuck::try_zeroed_slice_box::<T>(len)
+            .map_err(|()| NoMemory::for_items::<T>(len))?;
         use_huge_pages(&mut items);
         let pointer = Box::into_raw(items) as *mut [UnsafeCell<T>];
         // SAFETY: a cell has the layout of what it holds, and the box is ours.
         #[allow(unsafe_code, reason = "the module's purpose")]
         let items = unsafe { Box::from_raw(pointer) };
-        Arc::new(Self {
+        Ok(Arc::new(Self {
             items,
             slot_len,
             // Handed out from the end: in order.
             free: Mutex::new((0..slots as u32).rev().collect()),
-        })
+        }))
     }
 
     /// A free slot, or `None` where all are used. It holds zeros or what was there before.

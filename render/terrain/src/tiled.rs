@@ -1,5 +1,6 @@
 //! Rasters cut into square tiles, each complete in itself.
 
+use crate::NoMemory;
 use crate::slab::{Slab, SlabView, Slot};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
@@ -43,7 +44,7 @@ pub struct TileIndex {
 
 impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// A raster of zeros, and the slots of its tiles to be filled.
-    fn empty(cols: u32, rows: u32) -> (Self, Vec<Slot<T>>) {
+    fn empty(cols: u32, rows: u32) -> Result<(Self, Vec<Slot<T>>), NoMemory> {
         assert!(
             cols >= 2 && rows >= 2,
             "a raster of {cols} by {rows} posts has no cell"
@@ -52,10 +53,10 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         let tiles = (tiles_across * (rows - 1).div_ceil(TILE_CELLS)) as usize;
         let stride = cols.min(TILE_CELLS + 1) as usize;
         // Some slots more: for edits, and for a mipmap's levels beside the raster and their edits.
-        let slab = Slab::new(
+        let slab = Slab::try_new(
             tiles + tiles / 8 + 4 + 2 * crate::mipmap::coarser_tiles(cols, rows),
             stride * rows.min(TILE_CELLS + 1) as usize + SPARE,
-        );
+        )?;
         let slots = (0..tiles).map_while(|_| slab.take()).collect();
         let raster = Self {
             cols,
@@ -65,7 +66,7 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
             slab,
             tiles: Vec::new(),
         };
-        (raster, slots)
+        Ok((raster, slots))
     }
 
     /// Number of rows of posts in a tile.
@@ -119,6 +120,15 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         Self::from_rows(cols, rows, each_post(post))
     }
 
+    /// As [`TiledRaster::from_fn`], with an error where there is not the memory for it.
+    pub(crate) fn try_from_fn(
+        cols: u32,
+        rows: u32,
+        post: impl Fn(u32, u32) -> T + Sync,
+    ) -> Result<Self, NoMemory> {
+        Self::try_from_rows(cols, rows, each_post(post))
+    }
+
     /// As [`TiledRaster::from_fn`], a tile's row at a time: `fill(row, col, into)` fills `into` with
     /// the posts of a row from column `col` on.
     pub(crate) fn from_rows(
@@ -126,9 +136,18 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
         rows: u32,
         fill: impl Fn(u32, u32, &mut [T]) + Sync,
     ) -> Self {
-        let (mut raster, slots) = Self::empty(cols, rows);
+        Self::try_from_rows(cols, rows, fill).unwrap_or_else(|refused| panic!("{refused}"))
+    }
+
+    /// As [`TiledRaster::from_rows`], with an error where there is not the memory for it.
+    fn try_from_rows(
+        cols: u32,
+        rows: u32,
+        fill: impl Fn(u32, u32, &mut [T]) + Sync,
+    ) -> Result<Self, NoMemory> {
+        let (mut raster, slots) = Self::empty(cols, rows)?;
         raster.tiles = raster.filled(slots.into_iter().enumerate().collect(), fill);
-        raster
+        Ok(raster)
     }
 
     /// As [`TiledRaster::from_rows`], in free slots of this raster's memory; or `None` where there
@@ -218,19 +237,21 @@ impl<T: Copy + Send + Sync + Zeroable> TiledRaster<T> {
     /// raster.
     ///
     /// # Errors
-    /// The first error of `read`.
+    /// The first error of `read`, or what `refused` makes of it that there is not the memory for all
+    /// posts.
     ///
     /// # Panics
     /// As [`TiledRaster::from_fn`].
     pub fn try_from_northern_rows<E>(
         cols: u32,
         rows: u32,
+        refused: impl FnOnce(NoMemory) -> E,
         mut read: impl FnMut(u32, &mut [T]) -> Result<(), E>,
     ) -> Result<Self, E>
     where
         T: Default,
     {
-        let (mut raster, mut slots) = Self::empty(cols, rows);
+        let (mut raster, mut slots) = Self::empty(cols, rows).map_err(refused)?;
         let (tiles_across, stride) = (raster.tiles_across, raster.stride);
         let tiles_up = (rows - 1).div_ceil(TILE_CELLS);
         let width = cols as usize;
@@ -576,7 +597,7 @@ mod tests {
     fn rows_from_the_north_give_the_same_raster_and_each_is_asked_for_once() {
         for (cols, rows) in [(2, 2), (600, 515), (257, 513), (5, 514), (300, 258)] {
             let mut next = 0;
-            let read = TiledRaster::try_from_northern_rows(cols, rows, |first, into| {
+            let read = TiledRaster::try_from_northern_rows(cols, rows, drop, |first, into| {
                 assert_eq!(first, next);
                 for (row, posts) in into.chunks_mut(cols as usize).enumerate() {
                     for (col, post) in posts.iter_mut().enumerate() {
