@@ -234,7 +234,10 @@ impl Show for Live {
             readings.can_calibrate = readings.table.is_some() && devices.is_some();
             for state in devices.iter().flat_map(Devices::states) {
                 let (words, works) = match state.condition {
-                    Condition::Starting => ("starting".to_owned(), false),
+                    Condition::Starting => {
+                        let starting = || "starting".to_owned();
+                        (state.trouble.unwrap_or_else(starting), false)
+                    }
                     Condition::Streaming => ("streaming".to_owned(), true),
                     Condition::Waiting(why) => (why, false),
                 };

@@ -27,6 +27,8 @@ pub struct DeviceState {
     pub condition: Condition,
     /// What its stream has seen.
     pub counts: StreamCounts,
+    /// Why it did not stream when it was last tried; none once it does.
+    pub trouble: Option<String>,
 }
 
 /// What a device is doing.
@@ -78,6 +80,7 @@ impl Devices {
                 name: name.clone(),
                 condition: Condition::Starting,
                 counts: StreamCounts::default(),
+                trouble: None,
             }));
             let reset_asked = Arc::new(AtomicBool::new(false));
             let outlet = Outlet {
@@ -226,7 +229,14 @@ impl Outlet {
     }
 
     pub(crate) fn set_condition(&self, condition: Condition) {
-        lock(&self.state).condition = condition;
+        let mut state = lock(&self.state);
+        // While it is tried again, what was wrong the last time is all that is known.
+        match &condition {
+            Condition::Starting => {}
+            Condition::Streaming => state.trouble = None,
+            Condition::Waiting(why) => state.trouble = Some(why.clone()),
+        }
+        state.condition = condition;
     }
 }
 

@@ -61,6 +61,23 @@ pub struct StreamCounts {
     pub samples: u64,
 }
 
+impl StreamCounts {
+    /// What it has seen since it had seen `earlier`.
+    #[must_use]
+    pub fn since(&self, earlier: &Self) -> Self {
+        Self {
+            records: self.records - earlier.records,
+            stray_bytes: self.stray_bytes - earlier.stray_bytes,
+            cut_records: self.cut_records - earlier.cut_records,
+            overlong_records: self.overlong_records - earlier.overlong_records,
+            foreign_records: self.foreign_records - earlier.foreign_records,
+            implausible: self.implausible - earlier.implausible,
+            refused: self.refused - earlier.refused,
+            samples: self.samples - earlier.samples,
+        }
+    }
+}
+
 /// The stream of a rig's device.
 #[must_use]
 pub fn stream_of(device: &Device) -> Box<dyn Stream> {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A Flock's start-up is the longest, and takes up to 7 s.
+/// A Flock's start-up is the longest, and takes up to 7 s; that a bird is missing shows 2 s later.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How long each device is listened to.
@@ -19,8 +19,9 @@ pub(super) fn examine(rig: &Rig) -> Result<Finding, String> {
     let clock = Clock::start();
     let devices = Devices::start(rig, &hub, clock, None).map_err(|error| error.to_string())?;
     let start = Instant::now();
-    let is_waited_for = |state: &DeviceState| state.condition == Condition::Starting;
     // One that is not there says so at once, and may yet come.
+    let is_waited_for =
+        |state: &DeviceState| state.condition == Condition::Starting && state.trouble.is_none();
     while start.elapsed() < PATIENCE && devices.states().iter().any(is_waited_for) {
         std::thread::sleep(Duration::from_millis(50));
     }
@@ -43,7 +44,7 @@ pub(super) fn examine(rig: &Rig) -> Result<Finding, String> {
             .filter(|sensor| sensor.device == after.name)
             .map(|sensor| Heard::of(&hub, device, &sensor, from))
             .collect();
-        report(&mut finding, before, after, &sensors);
+        report(&mut finding, device, before, after, &sensors);
     }
     devices.stop();
     Ok(finding)
@@ -159,48 +160,164 @@ fn pace(times: &[Nanos]) -> Option<(f64, Duration)> {
     (mean > 0.0).then(|| (1.0 / mean, Duration::from_secs_f64(jitter)))
 }
 
-/// Records that were lost or not believed.
-fn lost(counts: &StreamCounts) -> u64 {
-    counts.cut_records
-        + counts.overlong_records
-        + counts.foreign_records
-        + counts.implausible
-        + counts.refused
+/// How a device's bytes come here, as far as that tells who loses some.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Serial,
+    Vrpn,
+    Dtrack,
+    Hid,
 }
 
-fn report(finding: &mut Finding, before: &DeviceState, after: &DeviceState, sensors: &[Heard]) {
-    let records = after.counts.records - before.counts.records;
-    let lost = lost(&after.counts) - lost(&before.counts);
-    let stray = after.counts.stray_bytes - before.counts.stray_bytes;
+impl Way {
+    fn of(device: &Device) -> Self {
+        match device {
+            Device::Flock(_) | Device::Pinch(_) => Self::Serial,
+            Device::Vrpn(_) => Self::Vrpn,
+            Device::Dtrack(_) => Self::Dtrack,
+            Device::DataGlove(_) | Device::HidGlove(_) => Self::Hid,
+        }
+    }
+
+    /// Records that were lost or not believed.
+    fn lost(self, counts: &StreamCounts) -> u64 {
+        let StreamCounts {
+            cut_records,
+            overlong_records,
+            implausible,
+            refused,
+            ..
+        } = counts;
+        let foreign = match self {
+            // Nobody else is on its line: an address that nobody has is a damaged one.
+            Self::Serial => counts.foreign_records,
+            _ => 0,
+        };
+        cut_records + overlong_records + implausible + refused + foreign
+    }
+
+    /// Records of others who share the network's connection, which is no loss.
+    fn of_others(self, counts: &StreamCounts) -> u64 {
+        match self {
+            Self::Vrpn | Self::Dtrack => counts.foreign_records,
+            Self::Serial | Self::Hid => 0,
+        }
+    }
+
+    /// What helps against losses.
+    fn against_losses(self) -> &'static str {
+        match self {
+            Self::Serial => {
+                "bytes are lost or altered on its line; check the cable, its length and its \
+                 shield, and keep it away from screens and motors"
+            }
+            Self::Vrpn => {
+                "its server tells what is not believed: poses that jump, or numbers that are no \
+                 pose; look at them there (vrpn_print_devices shows them), or write a higher \
+                 `max_speed` and `max_turn` in the rig if they are right"
+            }
+            Self::Dtrack => {
+                "datagrams come late, twice or damaged, or bodies jump; send DTrack's output to \
+                 this computer once only, by a cable and not by radio, and look at the bodies' \
+                 calibration there"
+            }
+            Self::Hid => {
+                "reports come that are none of such a glove; compare the rig's description of \
+                 them with the glove's own"
+            }
+        }
+    }
+
+    /// What helps where sensors tell no poses though their device speaks.
+    fn against_silence(self) -> &'static str {
+        match self {
+            Self::Serial => {
+                "check that each sensor and the transmitter are plugged in, and that the sensors \
+                 are near enough to it"
+            }
+            Self::Vrpn => {
+                "its server tells none of them: start the tracker behind it, or write fewer \
+                 `sensors` in the rig"
+            }
+            Self::Dtrack => {
+                "the cameras see none of them: bring them into view, or write fewer `bodies` and \
+                 `flysticks` in the rig"
+            }
+            Self::Hid => "move the hand",
+        }
+    }
+}
+
+fn report(
+    finding: &mut Finding,
+    device: &Device,
+    before: &DeviceState,
+    after: &DeviceState,
+    sensors: &[Heard],
+) {
+    let name = &after.name;
+    let way = Way::of(device);
+    let counts = after.counts.since(&before.counts);
+    let (lost, of_others) = (way.lost(&counts), way.of_others(&counts));
     let condition = match &after.condition {
         Condition::Starting => "starting",
         Condition::Streaming => "streaming",
         Condition::Waiting(_) => "waiting",
     };
+    let problem = match &after.condition {
+        Condition::Waiting(why) => Some(why.clone()),
+        Condition::Starting => Some(after.trouble.clone().unwrap_or_else(|| {
+            let seconds = (PATIENCE + LISTENING).as_secs();
+            format!(
+                "it has been starting for {seconds} s, and has told nothing that its kind says; \
+                 check that it is on, and what the rig says of it"
+            )
+        })),
+        Condition::Streaming => None,
+    };
     let mut detail = condition.to_owned();
-    if let Condition::Waiting(reason) = &after.condition {
-        finding.advise(format!("{}: {reason}.", after.name));
-    } else {
+    if !matches!(after.condition, Condition::Waiting(_)) {
+        let StreamCounts {
+            records,
+            stray_bytes: stray,
+            ..
+        } = counts;
         detail += &format!(", {records} records in 2 s, {lost} lost, {stray} stray bytes");
+        if of_others > 0 {
+            detail += &format!(", {of_others} of others");
+        }
         for sensor in sensors {
             detail += &format!("\n    {}", sensor.in_words());
         }
-        if lost > 0 {
+    }
+    if let Some(problem) = &problem {
+        finding.advise(format!("{name}: {problem}."));
+    } else {
+        // Each of a tracker's sensors tells all the time, where it is one that works.
+        let has_none = |sensor: &&Heard| sensor.poses.as_ref().is_some_and(|p| p.samples == 0);
+        let silent = sensors.iter().filter(has_none);
+        let silent: Vec<_> = silent.map(|s| format!("{name}/{}", s.number)).collect();
+        if !silent.is_empty() {
             finding.advise(format!(
-                "{}: bytes are lost or altered on its line; check the cable, its length and its \
-                 shield, and keep it away from screens and motors.",
-                after.name
+                "{name}: no pose came of {} in 2 s; {}.",
+                silent.join(", "),
+                way.against_silence()
             ));
+        }
+        if lost > 0 {
+            finding.advise(format!("{name}: {}.", way.against_losses()));
         }
     }
     finding.found(Item::new(
-        &after.name,
+        name,
         detail,
         json!({
             "condition": condition,
-            "records": records,
+            "problem": problem,
+            "records": counts.records,
             "lost": lost,
-            "stray_bytes": stray,
+            "of_others": of_others,
+            "stray_bytes": counts.stray_bytes,
             "sensors": sensors.iter().map(Heard::json).collect::<Vec<_>>(),
         }),
     ));
@@ -257,20 +374,125 @@ mod tests {
         assert_eq!(json.get("poses"), None);
     }
 
+    fn state(condition: Condition, counts: StreamCounts) -> DeviceState {
+        DeviceState {
+            name: "it".into(),
+            condition,
+            counts,
+            trouble: None,
+        }
+    }
+
+    /// What is found of the device that `lines` describe, which is `after` at the end.
+    fn found(lines: &str, after: &DeviceState, sensors: &[Heard]) -> Finding {
+        let text = format!(
+            "name = 'r'\n[camera]\n[devices.it]\n{lines}\n\
+             table_from_tracker = {{ translation = [0.0, 0.0, 0.0] }}\n"
+        );
+        let rig = Rig::parse(&text, "r").expect("a rig");
+        let before = state(Condition::Starting, StreamCounts::default());
+        let mut finding = Finding::default();
+        report(&mut finding, &rig.devices["it"], &before, after, sensors);
+        finding
+    }
+
+    fn tracked(number: u32, samples: usize) -> Heard {
+        let rate_and_jitter = (samples > 2).then_some((100.0, Duration::ZERO));
+        Heard {
+            number,
+            poses: Some(Pace {
+                samples,
+                rate_and_jitter,
+            }),
+            hands: None,
+            buttons: None,
+        }
+    }
+
+    const FLOCK: &str = "kind = 'flock-of-birds'\nport = '/dev/ttyS0'\nbirds = 2\nrange = 36\n\
+                         hemisphere = 'upper'";
+    const VRPN: &str = "kind = 'vrpn'\naddress = 'Tracker0@lab'\nsensors = 2";
+    const DTRACK: &str = "kind = 'dtrack'\nport = 5000\nbodies = 2";
+
+    #[test]
+    fn a_device_that_is_tried_again_is_told_with_what_was_wrong_with_it() {
+        let mut after = state(Condition::Starting, StreamCounts::default());
+        let advice = |after: &DeviceState| found(FLOCK, after, &[tracked(1, 0)]).advice;
+        assert_eq!(advice(&after).len(), 1);
+        assert!(advice(&after)[0].contains("starting for 12 s"));
+        after.trouble = Some("it has been silent for 2 s; switch it on".into());
+        assert_eq!(
+            advice(&after),
+            ["it: it has been silent for 2 s; switch it on."]
+        );
+        let json = found(FLOCK, &after, &[]).json();
+        assert_eq!(
+            json[0]["problem"],
+            "it has been silent for 2 s; switch it on"
+        );
+    }
+
+    #[test]
+    fn a_sensor_without_poses_is_named_with_what_helps_on_its_way_here() {
+        let after = state(Condition::Streaming, StreamCounts::default());
+        for (lines, helps) in [
+            (FLOCK, "plugged in"),
+            (VRPN, "`sensors`"),
+            (DTRACK, "cameras"),
+        ] {
+            let finding = found(lines, &after, &[tracked(1, 200), tracked(2, 0)]);
+            let [advice] = &finding.advice[..] else {
+                panic!("{finding}");
+            };
+            assert!(advice.contains("no pose came of it/2 in 2 s"), "{advice}");
+            assert!(advice.contains(helps), "{advice}");
+            let finding = found(lines, &after, &[tracked(1, 200), tracked(2, 200)]);
+            assert!(finding.advice.is_empty(), "{finding}");
+        }
+    }
+
+    #[test]
+    fn others_on_a_network_are_no_losses_and_only_a_line_has_a_cable() {
+        let foreign = StreamCounts {
+            foreign_records: 7,
+            ..StreamCounts::default()
+        };
+        let refused = StreamCounts {
+            refused: 3,
+            ..foreign
+        };
+        let sensors = [tracked(1, 200), tracked(2, 200)];
+        for lines in [VRPN, DTRACK] {
+            let after = state(Condition::Streaming, foreign);
+            let finding = found(lines, &after, &sensors);
+            assert!(finding.advice.is_empty(), "{finding}");
+            assert!(finding.to_string().contains(", 7 of others"), "{finding}");
+            assert_eq!(finding.json()[0]["lost"], 0);
+            assert_eq!(finding.json()[0]["of_others"], 7);
+            let finding = found(lines, &state(Condition::Streaming, refused), &sensors);
+            assert_eq!(finding.json()[0]["lost"], 3);
+            assert_eq!(finding.advice.len(), 1, "{finding}");
+            assert!(!finding.advice[0].contains("shield"), "{finding}");
+        }
+        let finding = found(FLOCK, &state(Condition::Streaming, refused), &sensors);
+        assert_eq!(finding.json()[0]["lost"], 10);
+        assert!(finding.advice[0].contains("shield"), "{finding}");
+    }
+
     #[test]
     fn a_glove_that_is_not_permitted_comes_with_its_udev_rule() {
         let denied = HidError::Denied {
             path: "/dev/hidraw3".into(),
             rule: udev_rule(0x5D70, 0x0010),
         };
-        let state = |condition| DeviceState {
-            name: "glove".into(),
-            condition,
-            counts: StreamCounts::default(),
-        };
-        let after = state(Condition::Waiting(denied.to_string()));
+        let text =
+            "name = 'g'\n[camera]\n[devices.it]\nkind = 'data-glove'\nhand = 'left'\nsensors = 5\n";
+        let rig = Rig::parse(text, "g").expect("a rig");
+        let counts = StreamCounts::default();
+        let after = state(Condition::Waiting(denied.to_string()), counts);
+        let before = state(Condition::Starting, counts);
         let mut finding = Finding::default();
-        report(&mut finding, &state(Condition::Starting), &after, &[]);
+        report(&mut finding, &rig.devices["it"], &before, &after, &[]);
         assert!(finding.to_string().contains(&udev_rule(0x5D70, 0x0010)));
         assert!(finding.advice[0].contains("/dev/hidraw3"), "{finding}");
         assert!(

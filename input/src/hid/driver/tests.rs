@@ -97,6 +97,7 @@ impl Session {
             name: "glove".into(),
             condition: Condition::Starting,
             counts: StreamCounts::default(),
+            trouble: None,
         }));
         let reset_asked = Arc::new(AtomicBool::new(false));
         let outlet = Outlet {
