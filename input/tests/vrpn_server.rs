@@ -305,6 +305,74 @@ fn touching_fingers_are_buttons_until_the_hand_is_let_go() {
 }
 
 #[test]
+fn a_hand_that_comes_with_axes_and_buttons_is_told_once() {
+    let session = Session::start();
+    let mut guest = session.guest();
+    guest.ping();
+    let channels = |said: &Message| -> Vec<f64> {
+        let numbers = said.double(0) as usize;
+        (1..=numbers).map(|n| said.double(8 * n)).collect()
+    };
+    // As a glove of another server comes: raw channels, a stick behind them, and fingers of both.
+    let push = |raw: f64, bent: Option<f64>, touch: Option<Contacts>, own: u64| {
+        let time = session.clock.now();
+        let mut values = [0.0; AXES];
+        values[..6].copy_from_slice(&[raw, raw, raw, raw, raw, 0.125]);
+        session.push(Sample::Axes(AxesSample {
+            sensor: 1,
+            time,
+            values,
+            count: 6,
+        }));
+        session.press(1, own);
+        session.push(Sample::Hand(HandSample {
+            sensor: 1,
+            time,
+            hand: HandState {
+                flexion: [bent.map(Flexion::of_one_sensor); 5],
+                contacts: touch,
+            },
+        }));
+    };
+    let mut pinch = Contacts::default();
+    pinch.own[0] = Fingers::INDEX;
+    pinch.own[1] = Fingers::THUMB;
+    // Until its fingers are known, what there is is the channels; a button of its own stays down.
+    push(0.5, None, None, 1 << 5);
+    assert_eq!(
+        channels(&guest.report().2),
+        [0.5, 0.5, 0.5, 0.5, 0.5, 0.125]
+    );
+    let button = |guest: &mut Guest| {
+        let (_, kind, said) = guest.report();
+        assert_eq!(kind, "vrpn_Button Change");
+        [said.integer(0), said.integer(4)]
+    };
+    assert_eq!(button(&mut guest), [5, 1]);
+    push(0.75, Some(1.0), Some(pinch), 1 << 5);
+    // Known for the first time, they come behind the channels that they take the place of.
+    assert_eq!(channels(&guest.report().2)[0], 0.75);
+    assert_eq!(
+        channels(&guest.report().2),
+        [1.0, 1.0, 1.0, 1.0, 1.0, 0.125]
+    );
+    assert_eq!([(); 2].map(|()| button(&mut guest)), [[0, 1], [1, 1]]);
+    // From then on once a sample, and no raw value among them; of buttons, what has changed.
+    for bent in [0.25, 0.5] {
+        push(0.625, Some(bent), Some(pinch), 1 << 5 | 1);
+        assert_eq!(
+            channels(&guest.report().2),
+            [bent, bent, bent, bent, bent, 0.125]
+        );
+    }
+    push(0.625, Some(0.5), Some(Contacts::default()), 0);
+    assert_eq!(button(&mut guest), [5, 0]);
+    assert_eq!(guest.report().1, "vrpn_Analog Channel");
+    assert_eq!([(); 2].map(|()| button(&mut guest)), [[0, 0], [1, 0]]);
+    assert!(guest.report_within(Duration::from_millis(100)).is_none());
+}
+
+#[test]
 fn our_client_reads_our_server() {
     let session = Session::start();
     session.press(2, 0b10);

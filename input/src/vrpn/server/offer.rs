@@ -1,13 +1,19 @@
 //! The offer: which senders a hub's sensors are, and what their samples are in VRPN's words.
 
 use crate::vrpn::{BigEndian, Report, TrackerPose};
-use crate::{AXES, Flexion, HandState, Hub, Sample};
+use crate::{AXES, AxesSample, Contacts, Flexion, HandState, Hub, Sample};
 use sandtable_config::SensorName;
 use sandtable_pose::Nanos;
 use std::collections::BTreeMap;
 
 /// The most buttons of one sensor.
 const BUTTONS: usize = u64::BITS as usize;
+
+/// How many of a hand's channels, and of its buttons, are its fingers: the first ones.
+const FINGERS: usize = 5;
+
+/// The buttons that are a hand's fingers.
+const FINGER_BUTTONS: u64 = (1 << FINGERS) - 1;
 
 /// All senders, and how their buttons and channels are.
 #[derive(Debug, Default)]
@@ -25,6 +31,11 @@ struct Standing {
     /// One more than the highest button ever pressed.
     buttons: usize,
     channels: Option<([f64; AXES], usize)>,
+    /// Whether its first channels are fingers, of which hands tell and axes do not: a glove of
+    /// another server tells the same values as both.
+    bends: bool,
+    /// Whether its first buttons are fingers, in the same way.
+    touches: bool,
 }
 
 impl Offer {
@@ -57,12 +68,12 @@ impl Offer {
             standing.press(pressed);
         }
         if let Some(axes) = hub.axes_at(sensor, end) {
-            standing.channels = Some((axes.values, axes.count.min(AXES)));
+            standing.take_axes(&axes);
         }
         if let Some(hand) = hub.hand_at(sensor, end) {
             standing.take_hand(&hand);
-            if let Some(contacts) = hand.contacts {
-                standing.press(contacts.fingers().0.into());
+            if let Some(pressed) = standing.touch(hand.contacts) {
+                standing.press(pressed);
             }
         }
     }
@@ -99,20 +110,19 @@ impl Offer {
                 out(number(tracker), &report);
             }
             Sample::Buttons(buttons) => {
-                standing.tell_buttons(number(sender), buttons.pressed, out);
+                let pressed = standing.beside_fingers(buttons.pressed);
+                standing.tell_buttons(number(sender), pressed, out);
             }
             Sample::Axes(axes) => {
-                standing.channels = Some((axes.values, axes.count.min(AXES)));
-                standing.tell_channels(number(sender), out);
+                if standing.take_axes(axes) {
+                    standing.tell_channels(number(sender), out);
+                }
             }
             Sample::Hand(hand) => {
                 if standing.take_hand(&hand.hand) {
                     standing.tell_channels(number(sender), out);
                 }
-                let touching = hand.hand.contacts.map(|contacts| contacts.fingers());
-                // A hand that is let go touches nothing; one that never told contacts has no buttons.
-                if touching.is_some() || standing.pressed.is_some() {
-                    let pressed = u64::from(touching.unwrap_or_default().0);
+                if let Some(pressed) = standing.touch(hand.hand.contacts) {
                     standing.tell_buttons(number(sender), pressed, out);
                 }
             }
@@ -140,17 +150,57 @@ impl Standing {
         self.buttons = self.buttons.max(highest);
     }
 
+    /// Takes in a sensor's axes; whether they are to be told. Those of a hand are told with its
+    /// fingers, which come after them, and only once.
+    fn take_axes(&mut self, axes: &AxesSample) -> bool {
+        let count = axes.count.min(AXES);
+        match &mut self.channels {
+            Some((values, known)) if self.bends => {
+                values[FINGERS..].copy_from_slice(&axes.values[FINGERS..]);
+                *known = count.max(FINGERS);
+                false
+            }
+            channels => {
+                *channels = Some((axes.values, count));
+                true
+            }
+        }
+    }
+
+    /// A sensor's own buttons together with the fingers that touch, where it has such.
+    fn beside_fingers(&self, pressed: u64) -> u64 {
+        if self.touches {
+            pressed & !FINGER_BUTTONS | self.pressed.unwrap_or(0) & FINGER_BUTTONS
+        } else {
+            pressed
+        }
+    }
+
+    /// The buttons that are pressed with these contacts; `None` where the hand never told of any.
+    /// One that is let go touches nothing.
+    fn touch(&mut self, contacts: Option<Contacts>) -> Option<u64> {
+        self.touches |= contacts.is_some();
+        let fingers = u64::from(contacts.unwrap_or_default().fingers().0);
+        let own = self.pressed.unwrap_or(0) & !FINGER_BUTTONS;
+        self.touches.then_some(own | fingers)
+    }
+
     /// Takes in how far fingers are bent, the thumb first; whether that is known of any.
     ///
     /// VRPN has no word for a value that is not known: such a finger keeps the one it had.
     fn take_hand(&mut self, hand: &HandState) -> bool {
         let known = hand.flexion.iter().any(Option::is_some);
         if known {
-            let (mut values, _) = self.channels.unwrap_or_default();
+            let (mut values, count) = self.channels.unwrap_or_default();
+            if !self.bends {
+                // Raw values were there, in a unit of their own.
+                values[..FINGERS].fill(0.0);
+                self.bends = true;
+            }
             for (value, flexion) in values.iter_mut().zip(hand.flexion) {
                 *value = flexion.map_or(*value, Flexion::mean);
             }
-            self.channels = Some((values, hand.flexion.len()));
+            self.channels = Some((values, count.max(FINGERS)));
         }
         known
     }
