@@ -2,9 +2,10 @@
 
 use crate::exit::usage;
 use crate::files::make_folder;
+use crate::interrupt;
 use crate::session::{Session, summit};
 use crate::video::{VideoError, VideoWriter};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use bytemuck::cast_slice;
 use sandtable_audio::{Soundscape, WAV_SAMPLE_RATE, render_to_wav};
 use sandtable_cast::{CastPool, Image};
@@ -44,7 +45,7 @@ impl Film {
     /// Shoots the film: `direct` puts the session where it is at each frame.
     ///
     /// # Errors
-    /// Where a file cannot be written; what was there before is then left as it was.
+    /// Where a file cannot be written, or at Ctrl-C; what was there before is then left as it was.
     pub(crate) fn shoot(
         &self,
         session: &mut Session,
@@ -52,6 +53,8 @@ impl Film {
         mut direct: impl FnMut(&mut Session, u32),
     ) -> Result<()> {
         let frame_size = whole_frame(self.stereo, self.eye_size);
+        // Listened to before anything is begun that would be left behind.
+        let stop = interrupt::channel()?;
         make_folder(&self.output)?;
         let video = VideoWriter::create(&self.output, frame_size, self.rate);
         let mut video = video.map_err(|error| match error {
@@ -63,6 +66,14 @@ impl Film {
         let mut soundscapes = Vec::new();
         let summit = summit(session.ground());
         for frame in 0..self.frames {
+            if stop.try_recv().is_ok() {
+                progress.finish_and_clear();
+                bail!(
+                    "interrupted after {frame} of {} frames; {} is not written",
+                    self.frames,
+                    self.output.display()
+                );
+            }
             direct(session, frame);
             let views = session.views(self.eye_size, self.stereo.is_stereo());
             images.resize_with(views.len(), Image::default);

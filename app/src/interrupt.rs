@@ -3,13 +3,18 @@
 use anyhow::{Context, Result};
 use crossbeam_channel::Receiver;
 
-/// A channel that gets a message at each Ctrl-C or SIGTERM from now on. At most once a process.
+/// A channel that gets a message at each Ctrl-C, SIGTERM or SIGHUP from now on. At most once a
+/// process, and so is [`call`].
 pub(crate) fn channel() -> Result<Receiver<()>> {
     let (sender, receiver) = crossbeam_channel::bounded(4);
-    ctrlc::set_handler(move || {
+    call(move || {
         // A full channel holds the wish already.
         let _ = sender.try_send(());
-    })
-    .context("cannot listen for Ctrl-C")?;
+    })?;
     Ok(receiver)
+}
+
+/// Calls `end` at each Ctrl-C, SIGTERM or SIGHUP from now on, on a thread of its own.
+pub(crate) fn call(end: impl Fn() + Send + 'static) -> Result<()> {
+    ctrlc::set_handler(end).context("cannot listen for Ctrl-C")
 }

@@ -11,6 +11,7 @@ use sandtable_pose::{Nanos, Rigid};
 use sandtable_view::{Attitude, Placement};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::io::Write;
 use std::path::Path;
 
 /// The topic of the terrain's name.
@@ -124,7 +125,9 @@ impl Tape {
 pub(crate) fn finish(tape: &Tape, path: &Path) -> Result<()> {
     let summary = tape.recorder.finish()?;
     if let Some(summary) = summary {
-        eprintln!(
+        // A terminal that is gone reads nothing any more; the recording is whole all the same.
+        let _ = writeln!(
+            std::io::stderr(),
             "{}: {} messages, {} bytes, {} dropped",
             path.display(),
             summary.messages,

@@ -10,7 +10,7 @@ use crate::session::Session;
 use crate::tape::{self, Tape};
 use crate::tour::Tour;
 use crate::window::{Display, WindowError, WindowOptions};
-use crate::{overwriting, rig, scene};
+use crate::{interrupt, overwriting, rig, scene};
 use anyhow::{Context, Result};
 use sandtable_cast::CastPool;
 use sandtable_config::{Rig, StereoMode as RigStereo, Viewing};
@@ -77,6 +77,9 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     }
     match display {
         Ok(display) => {
+            // Listened to before anything is recorded: what is begun is to be ended well.
+            let waker = display.waker();
+            interrupt::call(move || waker.quit())?;
             let clock = Clock::start();
             let timeline = match replay {
                 Some(replay) => Timeline::Replayed {

@@ -39,8 +39,10 @@ impl ApplicationHandler<Wake> for Shell<'_> {
 
     fn user_event(&mut self, _: &ActiveEventLoop, wake: Wake) {
         self.changed = true;
-        if let Wake::Message(text) = wake {
-            self.message(text);
+        match wake {
+            Wake::Look => {}
+            Wake::Message(text) => self.message(text),
+            Wake::Quit => self.quitting = true,
         }
     }
 

@@ -85,6 +85,8 @@ enum Wake {
     Look,
     /// For the people at the panel.
     Message(String),
+    /// The system, or who started the program, asks for its end.
+    Quit,
 }
 
 /// Wakes the display thread from any other, where it sleeps because nothing moved.
@@ -96,6 +98,12 @@ impl Waker {
     pub(crate) fn wake(&self) {
         // Fails only when the window has been closed, and then nobody looks.
         let _ = self.0.send_event(Wake::Look);
+    }
+
+    /// Has the window closed, as by people.
+    pub(crate) fn quit(&self) {
+        // One that is closed needs no telling.
+        let _ = self.0.send_event(Wake::Quit);
     }
 }
 

@@ -105,3 +105,27 @@ fn a_flight_that_fails_leaves_what_was_there() {
     assert_eq!(folder.read("flight.avi"), b"an earlier flight");
     assert_eq!(folder.names(), ["flight.avi", "frames.txt"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_flight_that_is_interrupted_leaves_what_was_there_and_says_so() {
+    use crate::program::{Running, sandtable, wait_for};
+    for output in ["flight.avi", "flight"] {
+        let folder = Folder::new();
+        let mut command = sandtable(folder.path());
+        let arguments = format!("builtin:ridges?size=65 --headless --seconds 3600 -o {output}");
+        command.args(arguments.split(' '));
+        let said = std::fs::File::create(folder.file("said")).expect("a file");
+        command.stdout(std::process::Stdio::null()).stderr(said);
+        let mut flight = Running(command.spawn().expect("the program starts"));
+        let unfinished = folder.file(&format!("{output}.part"));
+        wait_for("the film", || unfinished.exists().then_some(()));
+        flight.signal("TERM");
+        assert_eq!(flight.end().code(), Some(1));
+        let said = String::from_utf8_lossy(&folder.read("said")).into_owned();
+        for part in ["interrupted", "108000 frames", output, "is not written"] {
+            assert!(said.contains(part), "no {part:?} in {said}");
+        }
+        assert_eq!(folder.names(), ["said"]);
+    }
+}

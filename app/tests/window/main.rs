@@ -1,6 +1,7 @@
 //! The real window, on a virtual X server.
 
 mod calibration;
+mod ending;
 mod hands;
 mod latency;
 mod session;

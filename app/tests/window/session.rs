@@ -153,6 +153,15 @@ impl Session {
         })
     }
 
+    /// Sends the program a signal by name, as `TERM`, and checks that it ends well.
+    pub(crate) fn end_by(mut self, signal: &str) {
+        let kill = format!("kill -{signal} {}", self.program.0.id());
+        let done = Command::new("sh").args(["-c", &kill]).status();
+        assert!(done.is_ok_and(|status| status.success()), "{kill}");
+        let status = wait_for("the end", || self.program.ended());
+        assert!(status.success(), "after {signal}: {status}");
+    }
+
     /// Closes the window and checks that the program ends well.
     pub(crate) fn close(mut self) {
         self.key("Escape");

@@ -1,0 +1,40 @@
+//! How the window ends when the system asks for it, or who started the program.
+
+use crate::session::Session;
+use std::fs::File;
+
+/// What a whole MCAP file ends with.
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+#[test]
+fn a_request_to_end_closes_the_window_and_leaves_a_whole_recording() {
+    for signal in ["INT", "TERM", "HUP"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [notes, recording] = ["notes.txt", "r.mcap"].map(|name| folder.path().join(name));
+        let device = format!("flock={}", folder.path().join("none").display());
+        let arguments = [
+            "builtin:ridges?size=65",
+            "--rig",
+            "workbench",
+            "--device",
+            &device,
+            "--size",
+            "320x200",
+            "--mute",
+            "--latency",
+            "--record",
+            recording.to_str().expect("it is UTF-8"),
+        ];
+        let file = File::create(&notes).expect("it can be written");
+        let Some(session) = Session::open_noting(&arguments, file.into()) else {
+            return;
+        };
+        session.end_by(signal);
+        let bytes = std::fs::read(&recording).expect("it is there");
+        assert!(bytes.ends_with(MAGIC), "after {signal} it has no end");
+        let said = std::fs::read_to_string(&notes).expect("it is there");
+        for part in ["latency: ", "r.mcap: ", " 0 dropped"] {
+            assert!(said.contains(part), "no {part:?} after {signal}: {said}");
+        }
+    }
+}
