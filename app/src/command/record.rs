@@ -8,19 +8,26 @@ use crate::told::Told;
 use crate::{interrupt, rig, scene};
 use anyhow::{Context, Result, bail};
 use sandtable_cast::{CASTERS, CastPool};
-use sandtable_input::{Clock, Devices, Hub};
+use sandtable_config::{Device, SensorName};
+use sandtable_input::{Clock, DeviceState, Devices, Hub};
+use sandtable_pose::Nanos;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How often devices are looked at.
 const PERIOD: Duration = Duration::from_millis(200);
 
+/// The longest recording, in seconds: thirty years.
+const LONGEST: f64 = 1e9;
+
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     if args
         .seconds
-        .is_some_and(|seconds| !(seconds > 0.0 && seconds < 1e9))
+        .is_some_and(|seconds| !(seconds > 0.0 && seconds <= LONGEST))
     {
-        return Err(usage("--seconds must be above 0"));
+        return Err(usage(
+            "--seconds must be above 0 and at most 1000000000; without it, Ctrl-C ends",
+        ));
     }
     let rig = rig::open(&args.rig, &args.device)?;
     if rig.devices.is_empty() {
@@ -53,6 +60,42 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
             bail!("{problem}");
         }
     }
+    let states = devices.states();
     devices.stop();
-    tape::finish(&tape, &args.output)
+    tape::finish(&tape, &args.output)?;
+    tell_silent(args, &session, &states)
+}
+
+/// Names the devices of which nothing was recorded that shows in a replay; fails where that is
+/// all of them.
+fn tell_silent(args: &RecordArgs, session: &Session, states: &[DeviceState]) -> Result<()> {
+    let devices = &session.rig().devices;
+    let silent: Vec<&str> = states
+        .iter()
+        .filter(|state| !was_heard(session.hub(), &devices[&state.name], state))
+        .map(|state| state.name.as_str())
+        .collect();
+    let output = args.output.display();
+    let remedy = format!("`sandtable doctor --rig {}` says what is wrong", args.rig);
+    if silent.len() == devices.len() {
+        bail!("{output} holds nothing of {}; {remedy}", silent.join(", "));
+    }
+    for name in silent {
+        let what = match devices[name].gestures() {
+            Some(_) => "state of a hand",
+            None => "pose",
+        };
+        eprintln!("{name}: no {what} was recorded; {remedy}");
+    }
+    Ok(())
+}
+
+/// Whether a tracker has told a pose, or a glove has spoken: some tell changes only.
+fn was_heard(hub: &Hub, device: &Device, state: &DeviceState) -> bool {
+    if device.gestures().is_some() {
+        return state.counts.samples > 0 || !device.has_poses() && state.counts.records > 0;
+    }
+    let of_device = |sensor: &SensorName| sensor.device == state.name;
+    let mut sensors = hub.sensors().filter(of_device);
+    sensors.any(|sensor| hub.pose_at(&sensor, Nanos(u64::MAX)).is_some())
 }

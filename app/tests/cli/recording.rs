@@ -36,12 +36,12 @@ mod of_a_flock {
     use std::fs::File;
     use std::time::Duration;
 
-    /// Records a second and a half of a moving head to whole.mcap.
-    fn record(folder: &Folder) {
-        folder.write("rig.toml", RIG);
+    /// Records a second and a half of a moving head to whole.mcap; gives what was said.
+    fn record(folder: &Folder, rig: &str, terrain: &str) -> String {
+        folder.write("rig.toml", rig);
         let _flock = Simulated::start(folder, "flock", "--birds 1 --motion sway-right --link bird");
         let mut command = sandtable(folder.path());
-        command.args("record builtin:ridges?size=65 --rig rig.toml".split(' '));
+        command.args(["record", terrain, "--rig", "rig.toml"]);
         command.args("--device flock=bird -o whole.mcap".split(' '));
         command.stderr(File::create(folder.file("said")).expect("a file"));
         let mut recorder = Running(command.spawn().expect("the program starts"));
@@ -55,17 +55,18 @@ mod of_a_flock {
         std::thread::sleep(Duration::from_millis(1500));
         recorder.signal("INT");
         assert_eq!(recorder.end().code(), Some(0), "{}", said());
+        let said = said();
         assert!(
-            said().contains("whole.mcap") && said().contains(" 0 dropped"),
-            "{}",
-            said()
+            said.contains("whole.mcap") && said.contains(" 0 dropped"),
+            "{said}"
         );
+        said
     }
 
     #[test]
     fn a_recording_replays_the_same_twice_and_a_torn_one_up_to_the_cut() {
         let folder = Folder::new();
-        record(&folder);
+        record(&folder, RIG, "builtin:ridges?size=65");
         let replay = |name: &str| {
             let arguments = format!("fly --replay {name}.mcap --headless -o {name}.avi");
             let ended = folder.run(&arguments).done();
@@ -114,6 +115,23 @@ mod of_a_flock {
             .take_while(|(t, w)| t == w);
         assert_eq!(same.count(), torn.pictures.len());
     }
+
+    #[test]
+    fn each_device_that_told_nothing_is_named_at_the_end() {
+        let folder = Folder::new();
+        let port = std::net::UdpSocket::bind("127.0.0.1:0")
+            .and_then(|socket| socket.local_addr())
+            .expect("a port")
+            .port();
+        let silent = format!(
+            "[devices.art]\nkind = 'dtrack'\nport = {port}\n\
+             table_from_tracker = {{ translation = [0.0, 0.0, 0.0] }}\n"
+        );
+        let said = record(&folder, &format!("{RIG}{silent}"), "builtin:ridges?size=65");
+        assert!(said.contains("art: no pose was recorded"), "{said}");
+        assert!(said.contains("doctor --rig rig.toml"), "{said}");
+        assert!(!said.contains("flock: no pose"), "{said}");
+    }
 }
 
 #[test]
@@ -131,7 +149,7 @@ fn a_missing_port_is_told_once_with_the_remedy() {
     let folder = Folder::new();
     folder.write("rig.toml", RIG);
     let arguments = "record --rig rig.toml --device flock=./none --seconds 0.5 -o a.mcap";
-    let said = folder.run(arguments).done().err;
+    let said = folder.run(arguments).failed(1, &["holds nothing of flock"]);
     let port = folder.file("none").display().to_string();
     assert_eq!(said.matches(&port).count(), 1, "{said}");
     assert!(said.contains("plug the device in"), "{said}");
@@ -144,6 +162,7 @@ fn what_cannot_be_recorded_is_refused() {
     for (arguments, code, says) in [
         ("--rig desktop -o a.mcap", 1, "no devices"),
         ("--rig rig.toml --seconds 0 -o a.mcap", 2, "above 0"),
+        ("--rig rig.toml --seconds 1e300 -o a.mcap", 2, "at most"),
         (
             "--rig rig.toml --seconds 1 -o no/such/a.mcap",
             1,
