@@ -8,6 +8,7 @@ mod files;
 mod film;
 mod guide;
 mod interrupt;
+mod likeness;
 mod live;
 mod navigation;
 mod notice;

@@ -1,13 +1,16 @@
 //! A session's recording: its devices' bytes, and how the world lay and the camera flew meanwhile.
 
 use crate::cli::TerrainArgs;
+use crate::likeness::Likeness;
 use crate::navigation::FlyCamera;
+use crate::scene::{self, OpenScene};
 use crate::session::{Session, Viewpoint};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use glam::DVec3;
 use sandtable_input::intent::{DeskState, IntentState};
 use sandtable_input::{Recorder, Replay};
 use sandtable_pose::{Nanos, Rigid};
+use sandtable_terrain::Ground;
 use sandtable_view::{Attitude, Placement};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -26,6 +29,9 @@ const BODY_TOPICS: [&str; 2] = ["/session/head", "/session/hand"];
 struct RecordedTerrain {
     source: String,
     photo: Option<String>,
+    /// What the ground is known again by; recordings from before there was this have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ground: Option<Likeness>,
 }
 
 /// Where a camera was.
@@ -70,6 +76,7 @@ impl Tape {
                 .photo
                 .as_ref()
                 .map(|path| path.display().to_string()),
+            ground: Some(Likeness::of(session.ground())),
         };
         recorder.json(TERRAIN_TOPIC, start, serde_json::to_value(recorded)?);
         let mut tape = Self {
@@ -143,18 +150,72 @@ pub(crate) fn terrain(replay: &Replay, given: &TerrainArgs) -> Result<TerrainArg
     if given.terrain.is_some() {
         return Ok(given.clone());
     }
-    let Some((_, value)) = replay.values(TERRAIN_TOPIC).first() else {
+    let Some(recorded) = recorded_terrain(replay)? else {
         return Ok(given.clone());
     };
-    let recorded = RecordedTerrain::deserialize(value).context(
-        "the recording's /session/terrain cannot be understood; name the terrain yourself",
-    )?;
     Ok(TerrainArgs {
         terrain: Some(recorded.source.into()),
         photo: given
             .photo
             .clone()
             .or_else(|| recorded.photo.map(Into::into)),
+    })
+}
+
+fn recorded_terrain(replay: &Replay) -> Result<Option<RecordedTerrain>> {
+    let Some((_, value)) = replay.values(TERRAIN_TOPIC).first() else {
+        return Ok(None);
+    };
+    let recorded = RecordedTerrain::deserialize(value).context(
+        "the recording's /session/terrain cannot be understood; name the terrain yourself",
+    )?;
+    Ok(Some(recorded))
+}
+
+/// Opens `terrain`, over which the recording in `path` is to be replayed.
+///
+/// # Errors
+/// Where it cannot be opened; one that the recording names says so, as its path may be that of
+/// another folder.
+pub(crate) fn open_terrain(
+    path: &Path,
+    given: &TerrainArgs,
+    terrain: &TerrainArgs,
+) -> Result<OpenScene> {
+    let opened = scene::open(terrain);
+    if given.terrain.is_some() {
+        return opened;
+    }
+    opened.map_err(|error| {
+        let (path, source) = (path.display(), terrain.source());
+        anyhow!(
+            "{error:#}; {path} was recorded over {source}: if that lies elsewhere now, name it, as \
+             in: sandtable fly TERRAIN --replay {path}"
+        )
+    })
+}
+
+/// How the ground that the recording in `path` is replayed over, `terrain`, differs from the one
+/// that it was recorded over, in a line; `None` where it does not, or where nobody knows.
+pub(crate) fn other_ground(
+    path: &Path,
+    replay: &Replay,
+    terrain: &TerrainArgs,
+    ground: &Ground,
+) -> Option<String> {
+    let recorded = recorded_terrain(replay).ok()??;
+    let [was, is] = recorded.ground?.difference(&Likeness::of(ground))?;
+    let (path, before, now) = (path.display(), recorded.source, terrain.source());
+    Some(if before == now {
+        format!(
+            "{now} has changed since {path} was recorded over it ({was}; now {is}): what was \
+             looked at then may lie elsewhere"
+        )
+    } else {
+        format!(
+            "{path} was recorded over {before} ({was}) and is replayed over {now} ({is}): what was \
+             looked at then may lie elsewhere"
+        )
     })
 }
 
@@ -198,4 +259,16 @@ pub(crate) fn recall(
 fn newest(values: &[(Nanos, Value)], time: Nanos) -> Option<&Value> {
     let later = values.partition_point(|(at, _)| *at <= time);
     values.get(later.checked_sub(1)?).map(|(_, value)| value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terrain_that_was_recorded_without_a_likeness_is_still_understood() {
+        let old = r#"{"source":"g.asc","photo":null}"#;
+        let recorded: RecordedTerrain = serde_json::from_str(old).expect("it is understood");
+        assert_eq!((recorded.source.as_str(), recorded.ground), ("g.asc", None));
+    }
 }

@@ -68,7 +68,15 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
     }
     let is_table = matches!(rig.viewing, Viewing::Table(_));
     let caster = scene::caster_at_detail(&args.caster, args.lod, is_table)?;
-    let open = scene::open(&terrain)?;
+    let open = match &args.replay {
+        Some(path) => tape::open_terrain(path, &args.terrain, &terrain)?,
+        None => scene::open(&terrain)?,
+    };
+    if let (Some(path), Some(replay)) = (&args.replay, &replay)
+        && let Some(warning) = tape::other_ground(path, replay, &terrain, &open.scene.ground)
+    {
+        tracing::warn!("{warning}");
+    }
     let pool = Arc::new(CastPool::new(args.threads).context("cannot start the casting threads")?);
     let hub = Arc::new(Hub::for_rig(&rig));
     let mut session = Session::new(rig, &open, &caster, Arc::clone(&pool), hub)?;

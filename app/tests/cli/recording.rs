@@ -132,6 +132,47 @@ mod of_a_flock {
         assert!(said.contains("doctor --rig rig.toml"), "{said}");
         assert!(!said.contains("flock: no pose"), "{said}");
     }
+
+    /// A small ESRI grid whose middle post is `middle` metres high.
+    fn grid(middle: u32) -> String {
+        let rows = format!("0 10 20\n5 {middle} 25\n10 20 30\n");
+        format!("ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 30\n{rows}")
+    }
+
+    #[test]
+    fn a_replay_says_where_its_ground_is_gone_changed_or_another() {
+        let folder = Folder::new();
+        folder.write("g.asc", grid(15));
+        record(&folder, RIG, "g.asc");
+        let replay = |terrain: &str, recording: &str| {
+            let arguments = format!("--replay {recording} --headless --replay-speed 60 -o f.avi");
+            folder.run(&format!("fly {terrain}{arguments}"))
+        };
+        let said = replay("", "whole.mcap").done().err;
+        assert!(!said.contains("recorded over"), "{said}");
+        folder.write("same.asc", grid(15));
+        let said = replay("same.asc ", "whole.mcap").done().err;
+        assert!(!said.contains("recorded over"), "{said}");
+
+        folder.write("other.asc", grid(300));
+        let said = replay("other.asc ", "whole.mcap").done().err;
+        let told = "whole.mcap was recorded over g.asc (3 x 3 posts";
+        assert!(
+            said.contains(told) && said.contains("over other.asc"),
+            "{said}"
+        );
+        folder.write("g.asc", grid(16));
+        let said = replay("", "whole.mcap").done().err;
+        assert!(
+            said.contains("g.asc has changed since whole.mcap"),
+            "{said}"
+        );
+        assert!(said.contains("other heights"), "{said}");
+
+        std::fs::remove_file(folder.file("g.asc")).expect("it is there");
+        let remedy = "sandtable fly TERRAIN --replay whole.mcap";
+        replay("", "whole.mcap").failed(1, &["g.asc", "whole.mcap was recorded over", remedy]);
+    }
 }
 
 #[test]
