@@ -270,7 +270,7 @@ impl Rig {
 }
 
 fn read_devices(root: &Fields<'_>) -> Result<BTreeMap<String, Device>, RigError> {
-    let mut devices = BTreeMap::new();
+    let mut devices: BTreeMap<String, Device> = BTreeMap::new();
     let Some(value) = root.get("devices") else {
         return Ok(devices);
     };
@@ -290,7 +290,17 @@ fn read_devices(root: &Fields<'_>) -> Result<BTreeMap<String, Device>, RigError>
                 "name it with letters, digits, - and _ only",
             ));
         }
-        devices.insert(name, read_device(&value)?);
+        let device = read_device(&value)?;
+        let shares = |other: &&String| devices[*other].port() == device.port();
+        if let Some(port) = device.port()
+            && let Some(other) = devices.keys().find(shares)
+        {
+            let problem = format!("is {port:?}, as that of `{other}`");
+            let remedy = "write the port that this device is on: a serial line has one device";
+            let place = value.fields()?.get("port");
+            return Err(place.as_ref().unwrap_or(&value).error(&problem, remedy));
+        }
+        devices.insert(name, device);
     }
     fields.finish()?;
     Ok(devices)

@@ -48,6 +48,15 @@ pub(crate) fn read_sensor_settings(value: &Value<'_>) -> Result<SensorSettings, 
             "write how long a picture takes from its pose to the glass, such as 30",
         ));
     }
+    if filter.prediction == Prediction::Off
+        && !ahead.is_zero()
+        && let Some(value) = fields.get("ahead_ms")
+    {
+        return Err(value.error(
+            "is there, and nothing predicts",
+            "write prediction = { kind = \"constant-velocity\" } beside it, or leave it out",
+        ));
+    }
     // Single fields are in their ranges; what is left is how they go together.
     filter
         .check()

@@ -14,6 +14,13 @@ const DEVICES: &str = "name = 'i'\n[camera]\n\
     [devices.wand]\nkind = 'vrpn'\naddress = 'Wand0@lab'\nsensors = 2\n\
     table_from_tracker = { translation = [0.0, 0.0, 0.0] }\n";
 
+/// Trackers without buttons and channels.
+const TRACKERS: &str = "[devices.flock]\nkind = 'flock-of-birds'\nport = '/dev/ttyS1'\n\
+    birds = 2\nrange = 72\nhemisphere = 'upper'\n\
+    table_from_tracker = { translation = [0.0, 0.0, 0.0] }\n\
+    [devices.art]\nkind = 'dtrack'\n\
+    table_from_tracker = { translation = [0.0, 0.0, 0.0] }\n";
+
 fn rig(rest: &str) -> Rig {
     Rig::parse(&format!("{DEVICES}{rest}"), "i.toml").unwrap()
 }
@@ -111,7 +118,7 @@ fn an_error_names_what_is_wrong_and_what_is_right() {
         ("act = ['pinhc/1 grab']", &["did you mean `pinch`?"]),
         (
             "act = ['glove/1 grab']",
-            &["key, mouse, gamepad, pinch, wand"],
+            &["key, mouse, gamepad, art, flock, pinch, wand"],
         ),
         ("act = ['pinch/3 grab']", &["pinch/1 to pinch/2"]),
         ("act = ['pinch grab']", &["pinch/1 to pinch/2"]),
@@ -121,6 +128,24 @@ fn an_error_names_what_is_wrong_and_what_is_right() {
         ("act = ['wand/1 button 64']", &["from 0 to 63"]),
         ("act = ['wand/1 channel 32']", &["from 0 to 31"]),
         ("act = ['wand/1 button -1']", &["from 0 to 63"]),
+        (
+            "act = ['flock/2 button 0']",
+            &[
+                "intents.act[0]",
+                "`flock`, which has none",
+                "`buttons = true`",
+            ],
+        ),
+        (
+            "yaw = ['flock/2 channel 0']",
+            &["intents.yaw[0]", "`flock`, which has none", "gamepad"],
+        ),
+        (
+            "act = ['pinch/2 button 0']",
+            &["`pinch`, which has none", "a gesture"],
+        ),
+        ("act = ['art/1 button 0']", &["`flysticks`"]),
+        ("yaw = ['art/1 channel 0']", &["`flysticks`"]),
         ("act = ['-key Space']", &["leave out the minus"]),
         (
             "act = ['key g', 'key G']",
@@ -128,7 +153,7 @@ fn an_error_names_what_is_wrong_and_what_is_right() {
         ),
     ];
     for (line, needles) in cases {
-        let text = format!("{DEVICES}[intents]\n{line}\n");
+        let text = format!("{DEVICES}{TRACKERS}[intents]\n{line}\n");
         let error = Rig::parse(&text, "i.toml").unwrap_err().to_string();
         let number = 1 + text.lines().position(|l| l == *line).unwrap();
         let place = format!("i.toml, line {number}: `intents.");

@@ -349,6 +349,7 @@ fn sensors_are_smoothed_and_predicted_as_their_tables_say() {
         ("smoothing = { kind = \"one-euro\", beta = 1.0 }", "beta"),
         ("ahead_ms = 500.0", "0 to 200 milliseconds"),
         ("gap_ms = nan", "gap_ms"),
+        ("ahead_ms = 30.0", "nothing predicts"),
     ] {
         let error = parse(table).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
@@ -356,6 +357,17 @@ fn sensors_are_smoothed_and_predicted_as_their_tables_say() {
     let text = workbench() + "\n[sensors.\"flock/3\"]\nahead_ms = 1.0";
     let error = Rig::parse(&text, "sensors").unwrap_err().to_string();
     assert!(error.contains("the sensors 1 to 2"), "{error}");
+}
+
+#[test]
+fn two_devices_on_one_serial_port_are_refused() {
+    let text = workbench() + "\n[devices.pinch]\nkind = \"pinch\"\nport = \"/dev/ttyUSB0\"";
+    let error = Rig::parse(&text, "w.toml").unwrap_err().to_string();
+    let line = text.lines().count();
+    let place = format!("w.toml, line {line}: `devices.pinch.port`");
+    for part in [&place, "as that of `flock`", "a serial line has one device"] {
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 #[test]

@@ -103,6 +103,41 @@ impl Device {
         }
     }
 
+    /// Why its sensors have no buttons, with the remedy; `None` where they may have some.
+    pub(crate) fn lack_of_buttons(&self) -> Option<&'static str> {
+        match self {
+            Self::Flock(flock) if !flock.buttons => Some(
+                "write `buttons = true` at the Flock if its birds have any: its records bring \
+                 none without",
+            ),
+            Self::Dtrack(dtrack) if dtrack.flysticks == 0 => {
+                Some("write how many `flysticks` there are: bodies have no buttons")
+            }
+            Self::Pinch(_) | Self::DataGlove(_) => {
+                Some("write a gesture, such as \"grab\": this glove has no buttons")
+            }
+            Self::HidGlove(glove) if glove.buttons.is_empty() => {
+                Some("write `buttons` at the glove, or a gesture, such as \"grab\"")
+            }
+            _ => None,
+        }
+    }
+
+    /// Why its sensors have no channels, with the remedy; `None` where they may have some.
+    pub(crate) fn lack_of_channels(&self) -> Option<&'static str> {
+        match self {
+            Self::Vrpn(_) => None,
+            Self::Dtrack(dtrack) if dtrack.flysticks > 0 => None,
+            Self::Dtrack(_) => {
+                Some("write how many `flysticks` there are: bodies have no channels")
+            }
+            Self::Flock(_) | Self::Pinch(_) | Self::DataGlove(_) | Self::HidGlove(_) => Some(
+                "take a gamepad's stick, or a channel of a VRPN server or a Flystick: this device \
+                 has none",
+            ),
+        }
+    }
+
     /// From the tracker's frame to the table's, where it is a tracker.
     pub fn table_from_tracker_mut(&mut self) -> Option<&mut Rigid> {
         match self {
@@ -146,6 +181,15 @@ impl Device {
     }
 
     /// The path of the serial port that it is on, where it is on one.
+    pub(crate) fn port(&self) -> Option<&str> {
+        match self {
+            Self::Flock(flock) => Some(&flock.port),
+            Self::Pinch(pinch) => Some(&pinch.port),
+            Self::Vrpn(_) | Self::Dtrack(_) | Self::DataGlove(_) | Self::HidGlove(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
     pub(crate) fn port_mut(&mut self) -> Option<&mut String> {
         match self {
             Self::Flock(flock) => Some(&mut flock.port),

@@ -250,10 +250,18 @@ fn read_sensors_part(
     match part.split_once(' ') {
         Some(("button", text)) => {
             let number = number(text, 64)?;
+            if let Some(remedy) = device.lack_of_buttons() {
+                let problem = format!("names {part:?} of `{}`, which has none", sensor.device);
+                return Err(value.error(&problem, remedy));
+            }
             return Ok(Part::Button { sensor, number });
         }
         Some(("channel", text)) => {
             let number = number(text, 32)?;
+            if let Some(remedy) = device.lack_of_channels() {
+                let problem = format!("names {part:?} of `{}`, which has none", sensor.device);
+                return Err(value.error(&problem, remedy));
+            }
             return Ok(Part::Channel { sensor, number });
         }
         _ => {}
