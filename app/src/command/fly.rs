@@ -11,7 +11,7 @@ use crate::tape::{self, Tape};
 use crate::tour::Tour;
 use crate::window::{Display, WindowError, WindowOptions};
 use crate::{interrupt, overwriting, rig, scene};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use sandtable_cast::CastPool;
 use sandtable_config::{Rig, StereoMode as RigStereo, Viewing};
 use sandtable_input::intent::DeskState;
@@ -210,10 +210,9 @@ fn in_window(
         tape::finish(&tape, path)?;
     }
     match shown {
-        Err(error @ (WindowError::NoWindow(_) | WindowError::NoGpu(_))) => {
-            Err(anyhow::Error::new(error)
-                .context("`sandtable fly --headless` writes the flight to a file instead"))
-        }
+        Err(error @ (WindowError::NoWindow(_) | WindowError::NoGpu(_))) => Err(anyhow!(
+            "{error}. Without a window, `sandtable fly --headless` writes a flight to a file"
+        )),
         shown => Ok(shown?),
     }
 }
@@ -267,6 +266,14 @@ fn without_display(
         session.terrain(),
         film.output.display()
     ));
+    if replay.is_none() && !session.rig().devices.is_empty() {
+        let names: Vec<_> = session.rig().devices.keys().map(String::as_str).collect();
+        notice(format_args!(
+            "the rig's devices are not used for it ({}): the flight is a tour of its own; \
+             `sandtable record` listens to them",
+            names.join(", ")
+        ));
+    }
     match replay {
         Some(mut replay) => {
             let start = replay.start();

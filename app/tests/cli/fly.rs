@@ -71,7 +71,8 @@ fn at_a_table_the_head_sways_over_it() {
     let folder = Folder::new();
     // A minute is one sway; its first seconds move the head to the right.
     let arguments = "fly --rig workbench --headless --size 90x55 --seconds 3 -o film";
-    folder.run(arguments).done();
+    let said = folder.run(arguments).done().out;
+    assert!(said.contains("not used for it (flock)"), "{said}");
     let frame = |number: u32| {
         let name = format!("film/frame_{number:05}.png");
         image::open(folder.file(&name)).unwrap().into_rgb8()

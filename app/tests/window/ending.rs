@@ -1,6 +1,6 @@
 //! How the window ends when the system asks for it, or who started the program.
 
-use crate::session::Session;
+use crate::session::{Session, without_driver};
 use std::fs::File;
 
 /// What a whole MCAP file ends with.
@@ -37,4 +37,22 @@ fn a_request_to_end_closes_the_window_and_leaves_a_whole_recording() {
             assert!(said.contains(part), "no {part:?} after {signal}: {said}");
         }
     }
+}
+
+#[test]
+fn without_a_graphics_driver_the_error_comes_before_what_helps() {
+    let Some((status, said)) = without_driver() else {
+        return;
+    };
+    assert_eq!(status.code(), Some(1), "{said}");
+    let error = said.lines().find(|line| line.starts_with("sandtable: "));
+    let error = error.unwrap_or_else(|| panic!("no error in {said}"));
+    let [what, helps, instead] =
+        ["no graphics", "mesa-vulkan-drivers", "fly --headless"].map(|part| {
+            error
+                .find(part)
+                .unwrap_or_else(|| panic!("no {part:?} in {error}"))
+        });
+    assert!(what < helps && helps < instead, "{error}");
+    assert!(!error.contains("{}"), "{error}");
 }

@@ -69,6 +69,30 @@ pub(crate) fn wait_for<T>(what: &str, mut value: impl FnMut() -> Option<T>) -> T
     }
 }
 
+/// How the program ends where there is a display and no graphics driver, and what it says; `None`,
+/// told, where that cannot be tried here.
+pub(crate) fn without_driver() -> Option<(ExitStatus, String)> {
+    let Some((_server, display)) = x_server() else {
+        eprintln!("skipped: Xvfb is not installed (Debian: xvfb)");
+        return None;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = Command::new(env!("CARGO_BIN_EXE_sandtable"))
+        .args(["fly", "builtin:ridges?size=65", "--mute"])
+        .current_dir(folder.path())
+        .env("DISPLAY", &display)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("HOME", folder.path())
+        .env("XDG_RUNTIME_DIR", folder.path())
+        .env("WGPU_BACKEND", "vulkan")
+        .env("VK_ICD_FILENAMES", "/there/is/none")
+        .env("VK_DRIVER_FILES", "/there/is/none")
+        .output()
+        .expect("the program is built");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some((output.status, said))
+}
+
 /// The program with its window on an X server of its own.
 pub(crate) struct Session {
     program: Running,

@@ -20,7 +20,10 @@ pub enum GpuError {
         source: wgpu::RequestDeviceError,
     },
     /// The window cannot be drawn to.
-    #[error("cannot draw to the window: {0}")]
+    #[error(
+        "no graphics driver can draw to the window ({}); install one (Debian: \
+         mesa-vulkan-drivers, which also draws on the CPU)", in_words(.0)
+    )]
     NoSurface(#[from] wgpu::CreateSurfaceError),
     /// The adapter supports no format or mode of the window's surface.
     #[error("the graphics adapter {0:?} cannot draw to this window")]
@@ -39,6 +42,13 @@ pub enum GpuError {
     /// Reading pixels back failed.
     #[error("cannot read the frame back from the graphics adapter: {0}")]
     ReadBack(String),
+}
+
+/// What wgpu says of a surface, without the empty list of causes that it ends with where there is
+/// no driver at all.
+fn in_words(error: &wgpu::CreateSurfaceError) -> String {
+    let words = error.to_string();
+    words.strip_suffix(": {}").unwrap_or(&words).to_owned()
 }
 
 /// What has gone wrong on a device since it was made.
