@@ -187,7 +187,7 @@ pub(crate) fn open_terrain(
         return opened;
     }
     opened.map_err(|error| {
-        let (path, source) = (path.display(), terrain.source());
+        let (path, source) = (path.display(), terrain.source().display());
         anyhow!(
             "{error:#}; {path} was recorded over {source}: if that lies elsewhere now, name it, as \
              in: sandtable fly TERRAIN --replay {path}"
@@ -205,7 +205,8 @@ pub(crate) fn other_ground(
 ) -> Option<String> {
     let recorded = recorded_terrain(replay).ok()??;
     let [was, is] = recorded.ground?.difference(&Likeness::of(ground))?;
-    let (path, before, now) = (path.display(), recorded.source, terrain.source());
+    let now = terrain.source().display().to_string();
+    let (path, before) = (path.display(), recorded.source);
     Some(if before == now {
         format!(
             "{now} has changed since {path} was recorded over it ({was}; now {is}): what was \

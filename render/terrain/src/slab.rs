@@ -49,8 +49,8 @@ impl<T: Copy + Zeroable> Slab<T> {
         let len = len.unwrap_or_else(|| {
             panic!("{slots} slots of {slot_len} items have more than 2³² places");
         });
-        let mut items = bytemuck::try_zeroed_slice_box::<T>(len)
-            .map_err(|()| NoMemory::for_items::<T>(len))?;
+        let mut items =
+            bytemuck::try_zeroed_slice_box::<T>(len).map_err(|()| NoMemory::for_items::<T>(len))?;
         use_huge_pages(&mut items);
         let pointer = Box::into_raw(items) as *mut [UnsafeCell<T>];
         // SAFETY: a cell has the layout of what it holds, and the box is ours.
