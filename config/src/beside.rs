@@ -14,6 +14,8 @@ pub(crate) enum Beside<'a> {
     Folder(&'a Path),
     /// They came with the text, by the names that it has for them.
     Texts(&'a BTreeMap<String, String>),
+    /// The same, in a recording: what the text says was done.
+    Recorded(&'a BTreeMap<String, String>),
     /// Nobody asks what is in them.
     Unread,
 }
@@ -23,7 +25,7 @@ impl Beside<'_> {
     pub(crate) fn read(self, name: &str) -> Result<Option<String>> {
         match self {
             Self::Folder(folder) => read(&folder.join(name)).map(Some),
-            Self::Texts(texts) => match texts.get(name) {
+            Self::Texts(texts) | Self::Recorded(texts) => match texts.get(name) {
                 Some(text) => Ok(Some(text.clone())),
                 None => Err(Error::new(
                     ErrorKind::NotFound,

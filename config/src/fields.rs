@@ -296,6 +296,11 @@ impl<'a> Value<'a> {
         self.source.beside
     }
 
+    /// Whether the text is a recording's.
+    pub(crate) fn is_recorded(&self) -> bool {
+        matches!(self.source.beside, Beside::Recorded(_))
+    }
+
     /// A string; `wanted` says of what.
     pub(crate) fn text(&self, wanted: &str) -> Result<&'a str, RigError> {
         match self.value.get_ref() {

@@ -88,6 +88,19 @@ impl Rig {
         Self::parse_beside(text, file, Beside::Texts(files))
     }
 
+    /// As [`Rig::parse_with`], of a recording's rig: what it asks of devices that cannot give it, which
+    /// is refused elsewhere, asked for nothing when it was recorded.
+    ///
+    /// # Errors
+    /// As [`Rig::load`].
+    pub fn recorded(
+        text: &str,
+        file: &str,
+        files: &BTreeMap<String, String>,
+    ) -> Result<Self, RigError> {
+        Self::parse_beside(text, file, Beside::Recorded(files))
+    }
+
     pub(crate) fn parse_beside(
         text: &str,
         file: &str,
@@ -292,7 +305,8 @@ fn read_devices(root: &Fields<'_>) -> Result<BTreeMap<String, Device>, RigError>
         }
         let device = read_device(&value)?;
         let shares = |other: &&String| devices[*other].port() == device.port();
-        if let Some(port) = device.port()
+        if !value.is_recorded()
+            && let Some(port) = device.port()
             && let Some(other) = devices.keys().find(shares)
         {
             let problem = format!("is {port:?}, as that of `{other}`");

@@ -50,6 +50,7 @@ pub(crate) fn read_sensor_settings(value: &Value<'_>) -> Result<SensorSettings, 
     }
     if filter.prediction == Prediction::Off
         && !ahead.is_zero()
+        && !value.is_recorded()
         && let Some(value) = fields.get("ahead_ms")
     {
         return Err(value.error(

@@ -9,6 +9,7 @@ use sandtable_config::{
     Device, Hemisphere, Intents, Measure, Range, Rig, RigError, StereoMode, Viewing,
 };
 use sandtable_motion::{Derivative, OneEuroSettings, Prediction, Smoothing};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -367,6 +368,20 @@ fn two_devices_on_one_serial_port_are_refused() {
     let place = format!("w.toml, line {line}: `devices.pinch.port`");
     for part in [&place, "as that of `flock`", "a serial line has one device"] {
         assert!(error.contains(part), "{error}");
+    }
+}
+
+/// What was recorded must replay, whatever is refused by now.
+#[test]
+fn what_a_recordings_rig_asks_for_in_vain_is_no_error() {
+    for more in [
+        "\n[devices.pinch]\nkind = \"pinch\"\nport = \"/dev/ttyUSB0\"",
+        "\n[sensors.\"flock/1\"]\nahead_ms = 30.0",
+        "\n[intents]\nact = [\"flock/2 button 0\"]\nyaw = [\"flock/2 channel 0\"]",
+    ] {
+        let text = workbench() + more;
+        assert!(Rig::parse(&text, "w.toml").is_err(), "{more}");
+        Rig::recorded(&text, "w.mcap", &BTreeMap::new()).unwrap();
     }
 }
 

@@ -250,7 +250,9 @@ fn read_sensors_part(
     match part.split_once(' ') {
         Some(("button", text)) => {
             let number = number(text, 64)?;
-            if let Some(remedy) = device.lack_of_buttons() {
+            if !value.is_recorded()
+                && let Some(remedy) = device.lack_of_buttons()
+            {
                 let problem = format!("names {part:?} of `{}`, which has none", sensor.device);
                 return Err(value.error(&problem, remedy));
             }
@@ -258,7 +260,9 @@ fn read_sensors_part(
         }
         Some(("channel", text)) => {
             let number = number(text, 32)?;
-            if let Some(remedy) = device.lack_of_channels() {
+            if !value.is_recorded()
+                && let Some(remedy) = device.lack_of_channels()
+            {
                 let problem = format!("names {part:?} of `{}`, which has none", sensor.device);
                 return Err(value.error(&problem, remedy));
             }

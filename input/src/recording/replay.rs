@@ -95,7 +95,7 @@ impl Replay {
             });
         };
         let file = format!("the rig in {}", path.display());
-        let rig = Rig::parse_with(&found.text, &file, &found.files).map_err(|source| {
+        let rig = Rig::recorded(&found.text, &file, &found.files).map_err(|source| {
             ReplayError::BadRig {
                 path: path.to_owned(),
                 source: Box::new(source),
