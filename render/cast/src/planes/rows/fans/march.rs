@@ -261,7 +261,8 @@ impl<L: Lanes> March<'_, L> {
                             line: line - 1,
                             part: k as f32 / to_a_cell,
                         };
-                        let between = [t, (line - 1) as f32 - field.major.fraction + mark.part];
+                        let place = (line - 1) as f32 - field.major.fraction + mark.part;
+                        let between = [t, place * field.scale];
                         t = between[1];
                         let there = left.place(l, field, mark, t);
                         some_is_seen |=
