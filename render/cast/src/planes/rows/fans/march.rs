@@ -185,10 +185,7 @@ impl<L: Lanes> March<'_, L> {
                 if self.suit(&mut at, t, outer) {
                     field = &self.fields[at.level];
                     line = (t / field.scale + field.major.fraction + 1e-3) as i32;
-                    if BENT && at.is_bent {
-                        left.skip_to::<true>(l, field, line, t);
-                        right.skip_to::<true>(l, field, line, t);
-                    }
+                    has_skipped |= BENT && at.is_bent;
                 }
                 if BENT && !at.is_bent {
                     return Some(Way {
@@ -234,16 +231,26 @@ impl<L: Lanes> March<'_, L> {
             // Both are read before either is looked at.
             let here = left.line::<BENT>(l, field, line, end);
             let other_here = right.line::<BENT>(l, field, line, end);
-            if at.may_be_closer()
-                && (left.is_tall(l, &here, TALL) || right.is_tall(l, &other_here, TALL))
-            {
-                // Up to this line, with closer ones.
-                at.come_closer(end);
-                field = &self.fields[at.level];
-                line = (t / field.scale + field.major.fraction + 1e-3) as i32;
-                left.recolour::<BENT>(l, field, line, t);
-                right.recolour::<BENT>(l, field, line, t);
-                continue;
+            if at.may_be_closer() {
+                // Apart as above.
+                let rises = [left.rise(&here), right.rise(&other_here)];
+                let is_tall = l.vectorize(
+                    #[inline(always)]
+                    move || rises[0].is_tall(l, TALL) || rises[1].is_tall(l, TALL),
+                );
+                if is_tall {
+                    // Up to this line, with closer ones.
+                    at.come_closer(end);
+                    field = &self.fields[at.level];
+                    line = (t / field.scale + field.major.fraction + 1e-3) as i32;
+                    if BENT {
+                        has_skipped = true;
+                    } else {
+                        left.recolour(l, field, line);
+                        right.recolour(l, field, line);
+                    }
+                    continue;
+                }
             }
             let (mut some_is_seen, mut to_a_cell) = (false, 1.0);
             if BENT && at.twist * t < self.frame.levels[0].twist {

@@ -74,6 +74,27 @@ impl<L: Lanes> Piece<L> {
     }
 }
 
+/// How the ground rises from one place to the next.
+#[derive(Clone, Copy)]
+pub(super) struct Rise<L: Lanes> {
+    /// Slopes from the eye: of the first place and of the horizon, and of the next place.
+    from: [L::F; 2],
+    to: L::F,
+    /// Parts of a pixel for each 1 of slope.
+    per_slope: L::F,
+    live: L::M,
+}
+
+impl<L: Lanes> Rise<L> {
+    /// Whether some planes see more of it than so many pixels.
+    #[inline(always)]
+    pub(super) fn is_tall(&self, l: L, pixels: f32) -> bool {
+        let seen = l.sub(self.to, l.max(self.from[0], self.from[1]));
+        let is_tall = l.lt(l.splat(pixels * PARTS), l.mul(seen, self.per_slope));
+        l.bits(l.and(self.live, is_tall)) != 0
+    }
+}
+
 /// What sixteen planes have seen so far.
 pub(super) struct Sight<L: Lanes> {
     pub(super) planes: PlaneGroup<L>,
@@ -232,27 +253,21 @@ impl<L: Lanes> Sight<L> {
         }
     }
 
-    /// Whether some planes see more of the way to a line than so many pixels.
+    /// How planes see the ground rise to a line.
     #[inline(always)]
-    pub(super) fn is_tall(&self, l: L, line: &Line<L>, pixels: f32) -> bool {
-        let rise = l.sub(line.slope, l.max(self.slope, self.horizon));
-        let parts = l.mul(rise, self.per_slope);
-        let is_tall = l.lt(l.splat(pixels * PARTS), parts);
-        l.bits(l.and(self.live, is_tall)) != 0
+    pub(super) fn rise(&self, line: &Line<L>) -> Rise<L> {
+        Rise {
+            from: [self.slope, self.horizon],
+            to: line.slope,
+            per_slope: self.per_slope,
+            live: self.live,
+        }
     }
 
-    /// Takes the last line, at t, to be the mirrored line `line` of another level with the same ground.
+    /// Takes the last line's colours from another level with the same ground, of which it is the mirrored line `line`.
     #[inline(always)]
-    pub(super) fn recolour<const BENT: bool>(
-        &mut self,
-        l: L,
-        field: &Field<'_>,
-        line: i32,
-        t: f32,
-    ) {
-        if BENT {
-            self.skip_to::<true>(l, field, line, t);
-        } else if let Some(colours) = field.colours {
+    pub(super) fn recolour(&mut self, l: L, field: &Field<'_>, line: i32) {
+        if let Some(colours) = field.colours {
             let station = Station::on_line(l, field, &self.planes, line, 0);
             self.colours = station.crossing.colours(l, field, &self.planes, colours);
         }
