@@ -112,7 +112,9 @@ fn the_exact_caster_sees_what_brute_force_sees() {
 #[test]
 fn the_exact_caster_sees_what_is_measured() {
     let names = std::env::var("SANDTABLE_BENCH_SCENES");
-    let names = names.as_deref().unwrap_or("t512,pyrenees,ruby-range");
+    let names = names
+        .as_deref()
+        .unwrap_or("t512,city512,pyrenees,ruby-range");
     let peers = std::env::var_os("SANDTABLE_PEERS").map(PathBuf::from);
     let caster = caster_by_name(CASTER).expect("a caster's name");
     let pool = CastPool::new(0).expect("threads");

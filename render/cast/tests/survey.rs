@@ -1,8 +1,9 @@
 //! What the pictures of the default caster show.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_cast::{CastPool, Scene, Survey, caster_by_name, standpoints};
-use sandtable_terrain::{TerrainSource, open};
+use sandtable_terrain::{Ground, TerrainSource, open};
+use sandtable_view::{Attitude, Camera};
 use std::error::Error;
 
 #[test]
@@ -65,5 +66,42 @@ fn rays_close_by_look_at_little_more_than_their_own_cell() -> Result<(), Box<dyn
     let cells = prepared.work(&view)?.cells as f64 / hits as f64;
     // 1.150; 1.186 where no ray takes a patch over.
     assert!(cells < 1.17, "{cells} cells a hit");
+    Ok(())
+}
+
+/// Walls might come between a ray and any one before it; but not between it and both of those around it unseen.
+#[test]
+fn among_houses_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>> {
+    let house = |col: u32, row: u32| {
+        let storeys = (col / 20 * 7 + row / 20 * 5) % 4 + 2;
+        if col % 20 < 11 && row % 20 < 11 {
+            3.0 * storeys as f32
+        } else {
+            0.0
+        }
+    };
+    let scene = Scene::new(Ground::from_fn(401, 401, DVec2::ONE, house)?);
+    let caster = caster_by_name("planes")?;
+    let pool = CastPool::new(2)?;
+    let prepared = pool.run(|| caster.prepare(scene.clone()))?;
+    for (roll, most) in [(0.0, 5.0), (0.4, 5.0), (0.785, 5.0)] {
+        let attitude = Attitude {
+            yaw: 0.3,
+            pitch: -0.15,
+            roll,
+        };
+        let camera = Camera {
+            eye: DVec3::new(110.0, 30.0, 30.0),
+            attitude,
+            horizontal_fov: 1.0,
+        };
+        let view = camera.view([640, 400]);
+        let cells = prepared.work(&view)?.cells as f64 / (640.0 * 400.0);
+        println!("{roll}: {cells}");
+        assert!(
+            cells < most,
+            "{cells} cells and blocks a ray, rolled by {roll}"
+        );
+    }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::roofs::{FINEST, LEVEL_BEGIN, TOP};
+use super::strips::WIDEST;
 use super::walk::Passage;
 use super::wave::{Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -39,9 +40,14 @@ pub(super) struct Approach<L: Lanes> {
     pub(super) over: L::F,
 }
 
-/// Leads rays that are at t in a mirrored cell to the roof of their block, which lies at `place`.
+/// Leads rays that are at t in a mirrored cell to the roof of their block, which lies at `place`. Where
+/// rays keep `STRIPS`, so many cells wide for each 1 of t, none of the block's ground in them is higher.
 #[inline(always)]
-pub(super) fn approach<L: Lanes>(
+#[allow(
+    clippy::too_many_arguments,
+    reason = "where rays are, and what is beside them"
+)]
+pub(super) fn approach<L: Lanes, const STRIPS: bool>(
     l: L,
     field: &Field<'_>,
     ray: &Ray<L>,
@@ -49,6 +55,7 @@ pub(super) fn approach<L: Lanes>(
     [major, minor]: [L::I; 2],
     level: L::I,
     place: &[i32; LANES],
+    width: f32,
 ) -> Approach<L> {
     let (zero, one) = (l.splat(0.0), l.splat_i(1));
     let eye = l.splat(field.eye_height - field.rounding);
@@ -73,11 +80,19 @@ pub(super) fn approach<L: Lanes>(
     let next = l.max(l.min(major_end, minor_t), t);
     let half = l.mul(l.to_float(l.shl_i(one, level)), l.splat(0.5));
     let along = l.add(l.sub(t, major_end), half);
-    let aside = l.add(l.sub(l.mul(t, ray.advance), minor_end), half);
+    let mut advance = ray.advance;
+    if STRIPS {
+        // The roof is looked at on that side of the strip on which it is higher, as long as strips are asked for.
+        let width = l.splat(width);
+        let narrow = l.lt(l.mul(t, width), l.splat(WIDEST));
+        let aside = l.and(narrow, l.lt(minor_rise, zero));
+        advance = l.select(aside, l.sub(advance, width), advance);
+    }
+    let aside = l.add(l.sub(l.mul(t, advance), minor_end), half);
     let roof = l.add(l.mul(major_rise, along), l.mul(minor_rise, aside));
     let over = l.sub(l.sub(l.add(l.mul(t, ray.slope), eye), height), roof);
     // It changes evenly.
-    let rate = l.sub(l.sub(ray.slope, major_rise), l.mul(minor_rise, ray.advance));
+    let rate = l.sub(l.sub(ray.slope, major_rise), l.mul(minor_rise, advance));
     let length = l.sub(next, t);
     let next_over = l.add(over, l.mul(rate, length));
     let begins = l.lt(zero, over);
@@ -128,12 +143,13 @@ pub(super) fn rises_far<L: Lanes>(
 ///
 /// Rays are closed up in a loop of its own, which knows at once which way each goes.
 #[inline(always)]
-pub(super) fn climb<L: Lanes>(
+pub(super) fn climb<L: Lanes, const STRIPS: bool>(
     l: L,
     field: &Field<'_>,
     wave: &mut Wave,
     low: &mut Wave,
     passage: &mut Passage,
+    width: f32,
     mut coarser: Option<Coarser<'_>>,
 ) {
     let top = l.splat_i(TOP as i32);
@@ -158,7 +174,7 @@ pub(super) fn climb<L: Lanes>(
         let ray = wave.ray(l, at);
         let level = wave.level(l, at);
         let place = group(&passage.place, at);
-        let to = approach(
+        let to = approach::<L, STRIPS>(
             l,
             field,
             &ray,
@@ -166,6 +182,7 @@ pub(super) fn climb<L: Lanes>(
             wave.cell(l, at),
             level,
             place,
+            width,
         );
         let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
         let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
@@ -349,7 +366,9 @@ mod tests {
             let slope = -1.0 - share(0.31) as f32 * 4.0;
             for above in [1e-5, 1e-4, 1e-3, 1e-2, 1.0] {
                 field.eye_height = (roof - f64::from(slope) * f64::from(t) + above) as f32;
-                let to = approach(l, &field, &rays(slope), l.splat(t), cell, finest, &place);
+                let rays = rays(slope);
+                let to =
+                    approach::<_, false>(l, &field, &rays, l.splat(t), cell, finest, &place, 0.0);
                 led += u32::from(l.bits(to.begins) & !l.bits(to.clear) & 1);
                 assert!(to.t[0] >= t);
                 for (to, from) in to.cell.iter().zip(cell) {

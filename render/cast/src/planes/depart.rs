@@ -6,6 +6,7 @@ use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::Patches;
 use super::roofs::FINEST;
+use super::strips::Strips;
 use super::walk::{Crossing, Passage, ask, cross, fetch, go_on, hits_here, meet, place};
 use super::wave::{CHUNK, Ray, Waves};
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -137,7 +138,7 @@ impl Step<'_> {
 /// ground at all of its resolutions. Those that go on join `waves`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
-pub(super) fn depart<L: Lanes, const KEEPS: bool>(
+pub(super) fn depart<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
     l: L,
     fields: &[Field<'_>],
     departure: &mut Departure,
@@ -146,12 +147,16 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
     passage: &mut Passage,
     reached: &mut [f32],
     patches: &mut Patches,
+    strips: Strips<'_>,
 ) {
     let groups = || (0..step.count).step_by(LANES);
     if groups().any(|at| departure.high[at / LANES] != 0) {
         l.vectorize(
             #[inline(always)]
-            || lead_to_roofs(l, fields, departure, step, waves, passage),
+            || {
+                let width = strips.width;
+                lead_to_roofs::<L, STRIPS>(l, fields, departure, step, waves, passage, width);
+            },
         );
     }
     l.vectorize(
@@ -180,7 +185,9 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool>(
             },
         );
     }
-    lead_through_cells::<L, KEEPS>(l, fields, departure, step, waves, passage, reached, patches);
+    lead_through_cells::<L, KEEPS, STRIPS>(
+        l, fields, departure, step, waves, passage, reached, patches, strips,
+    );
 }
 
 /// Whether any resolution's memory may be far, so that it is asked for.
@@ -190,13 +197,14 @@ fn are_far(fields: &[Field<'_>]) -> bool {
 
 /// Leads rays to the roofs of their blocks; those that pass over them join waves.
 #[inline(always)]
-fn lead_to_roofs<L: Lanes>(
+fn lead_to_roofs<L: Lanes, const STRIPS: bool>(
     l: L,
     fields: &[Field<'_>],
     departure: &mut Departure,
     step: &Step<'_>,
     waves: &mut [Waves],
     passage: &mut Passage,
+    width: f32,
 ) {
     let finest = l.splat_i(FINEST as i32);
     let groups = || (0..step.count).step_by(LANES);
@@ -226,7 +234,7 @@ fn lead_to_roofs<L: Lanes>(
         let ray = step.ray(l, field, departure, at);
         let (t, cell) = (l.load(group(&departure.t, at)), departure.cell(l, at));
         let place = group(&passage.place, at);
-        let to = approach(l, field, &ray, t, cell, finest, place);
+        let to = approach::<L, STRIPS>(l, field, &ray, t, cell, finest, place, width);
         let mask = l.mask(high);
         let t = l.select(mask, to.t, t);
         let cell = [
@@ -259,7 +267,7 @@ fn lead_to_roofs<L: Lanes>(
 /// Two loops, as [`walk`](super::walk::walk) has.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "as `depart` has")]
-fn lead_through_cells<L: Lanes, const KEEPS: bool>(
+fn lead_through_cells<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
     l: L,
     fields: &[Field<'_>],
     departure: &mut Departure,
@@ -268,6 +276,7 @@ fn lead_through_cells<L: Lanes, const KEEPS: bool>(
     passage: &mut Passage,
     reached: &mut [f32],
     patches: &mut Patches,
+    mut strips: Strips<'_>,
 ) {
     let groups = || (0..step.count).step_by(LANES);
     l.vectorize(
@@ -284,6 +293,11 @@ fn lead_through_cells<L: Lanes, const KEEPS: bool>(
                 let (crossing, patch) = cross(l, field, &ray, t, cell, posts);
                 if KEEPS {
                     patches.store(l, departure.firsts[at / LANES] as usize, &patch);
+                }
+                if STRIPS {
+                    let rises = strips.rises(l, field, &ray, t, cell, &crossing, &patch);
+                    let rises = l.and(l.mask(departure.masks[at / LANES]), rises);
+                    strips.end_first(l, rises, departure.firsts[at / LANES] as usize, t);
                 }
                 if L::IN_ONE_LOOP {
                     end::<L, KEEPS>(

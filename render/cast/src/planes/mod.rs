@@ -20,6 +20,7 @@ mod rows;
 mod sectors;
 mod shade;
 mod steepness;
+mod strips;
 mod survey;
 mod texture;
 mod walk;

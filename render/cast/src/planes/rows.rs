@@ -8,6 +8,7 @@ mod recolour;
 mod scratch;
 mod set_out;
 mod sky;
+mod strips;
 mod survey;
 
 pub(super) use directions::Directions;
@@ -26,6 +27,7 @@ use super::frame::Frame;
 use super::patches::Patches;
 use super::sectors::{AHEAD, Sector};
 use super::shade::{Chunk, Shader};
+use super::strips::Strips;
 use super::walk::walk;
 use super::wave::{CHUNK, Waves};
 use crate::canvas::Canvas;
@@ -114,14 +116,23 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
         let lanes = lanes_ahead[step as usize % AHEAD];
         scratch.lanes[step as usize % MEMORY] = lanes;
         march.look_around(step, &mut scratch.steepest);
-        let carries = can_carry && carrying.begin(&march, step, scratch);
+        if !frame.coarsens {
+            march.look_at_strips(step, scratch);
+        }
+        let keeps_strips = scratch.strips.are_kept();
+        if keeps_strips {
+            carrying = Carrying::default();
+        }
+        let carries = can_carry && !keeps_strips && carrying.begin(&march, step, scratch);
         scratch.patches.set_step(step);
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
             let chunk = [first, lanes[1].min(first + CHUNK as i32)];
             let mut led = chunk;
             if !frame.coarsens {
-                led = march.led(step, chunk, shaded, scratch);
+                if !keeps_strips {
+                    led = march.led(step, chunk, shaded, scratch);
+                }
                 *scratch.led(step, first - lanes[0]) = led;
                 for sky in [[first, led[0]], [led[1], chunk[1]]] {
                     if sky[0] < sky[1] {
@@ -365,10 +376,12 @@ impl<'a, L: Lanes> March<'a, L> {
     /// Leads a chunk's rays that set out side by side on their first way.
     fn depart<T: Tally>(&self, count: usize, scratch: &mut Scratch, tally: &mut T) {
         // Only where they are of use, rays keep what ground they meet.
-        if scratch.keeps_patches {
-            self.lead::<true>(count, scratch);
+        if scratch.strips.are_kept() {
+            self.lead::<false, true>(count, scratch);
+        } else if scratch.keeps_patches {
+            self.lead::<true, false>(count, scratch);
         } else {
-            self.lead::<false>(count, scratch);
+            self.lead::<false, false>(count, scratch);
         }
         for (at, led) in scratch.departure.led(count) {
             for rays in led {
@@ -378,8 +391,8 @@ impl<'a, L: Lanes> March<'a, L> {
     }
 
     #[inline(always)]
-    fn lead<const KEEPS: bool>(&self, count: usize, scratch: &mut Scratch) {
-        depart::<L, KEEPS>(
+    fn lead<const KEEPS: bool, const STRIPS: bool>(&self, count: usize, scratch: &mut Scratch) {
+        depart::<L, KEEPS, STRIPS>(
             self.l,
             &self.fields,
             &mut scratch.departure,
@@ -392,6 +405,10 @@ impl<'a, L: Lanes> March<'a, L> {
             &mut scratch.passage,
             &mut scratch.reached,
             &mut scratch.patches,
+            Strips {
+                width: scratch.strips.width(),
+                clear: &mut scratch.clear,
+            },
         );
     }
 
@@ -399,6 +416,8 @@ impl<'a, L: Lanes> March<'a, L> {
     /// high.
     fn go_on<T: Tally>(&self, scratch: &mut Scratch, unfinished: usize, tally: &mut T) {
         let l = self.l;
+        let keeps_strips = scratch.strips.are_kept();
+        let width = scratch.strips.width();
         while let Some((level, climbs)) = self.next_wave(scratch, unfinished) {
             let (waves, behind) = scratch.waves[level..].split_at_mut(1);
             let Waves { low, high } = &mut waves[0];
@@ -408,16 +427,32 @@ impl<'a, L: Lanes> March<'a, L> {
             if climbs {
                 l.vectorize(
                     #[inline(always)]
-                    || climb(l, field, high, low, &mut scratch.passage, coarser),
+                    || {
+                        let passage = &mut scratch.passage;
+                        if keeps_strips {
+                            climb::<L, true>(l, field, high, low, passage, width, coarser);
+                        } else {
+                            climb::<L, false>(l, field, high, low, passage, width, coarser);
+                        }
+                    },
                 );
             } else {
                 let passage = &mut scratch.passage;
                 let (reached, patches) = (&mut scratch.reached, &mut scratch.patches);
-                if scratch.keeps_patches {
-                    walk::<L, true>(l, field, low, high, passage, reached, patches, coarser);
+                let strips = Strips {
+                    width,
+                    clear: &mut scratch.clear,
+                };
+                let walk = if keeps_strips {
+                    walk::<L, false, true>
+                } else if scratch.keeps_patches {
+                    walk::<L, true, false>
                 } else {
-                    walk::<L, false>(l, field, low, high, passage, reached, patches, coarser);
-                }
+                    walk::<L, false, false>
+                };
+                walk(
+                    l, field, low, high, passage, reached, patches, strips, coarser,
+                );
             }
         }
         if unfinished > 0 {

@@ -4,6 +4,7 @@ use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::{NUMBERS, Patch, Patches, packed};
+use super::strips::Strips;
 use super::wave::{CAPACITY, Column, Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
@@ -128,7 +129,8 @@ pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: us
 }
 
 /// Leads each ray of `wave` through its cell. Those that meet the ground write their t to
-/// `reached` and, if it `KEEPS` that, the cell's ground to `patches`; those that leave the ground are
+/// `reached` and, if it `KEEPS` that, the cell's ground to `patches`; where it keeps `STRIPS`, it is noted
+/// where ground beside them rises over them; those that leave the ground are
 /// dropped; those that end far over it go to `high`, and those that are too far for this resolution
 /// to `coarser`.
 ///
@@ -136,7 +138,7 @@ pub(super) fn fetch<L: Lanes>(l: L, field: &Field<'_>, passage: &Passage, at: us
 /// several groups at once: above all, none waits for roots and divisions before it knows its way.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "where rays come from and may go")]
-pub(super) fn walk<L: Lanes, const KEEPS: bool>(
+pub(super) fn walk<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
     l: L,
     field: &Field<'_>,
     wave: &mut Wave,
@@ -144,6 +146,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
     passage: &mut Passage,
     reached: &mut [f32],
     patches: &mut Patches,
+    mut strips: Strips<'_>,
     coarser: Option<Coarser<'_>>,
 ) {
     let rays = wave.len();
@@ -181,9 +184,14 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool>(
             for at in groups() {
                 let (ray, cell) = (wave.ray(l, at), wave.cell(l, at));
                 let posts = fetch(l, field, passage, at);
-                let (crossing, patch) = cross(l, field, &ray, wave.t(l, at), cell, posts);
+                let t = wave.t(l, at);
+                let (crossing, patch) = cross(l, field, &ray, t, cell, posts);
                 if KEEPS {
                     passage.keep_patch(l, at, &patch);
+                }
+                if STRIPS {
+                    let rises = strips.rises(l, field, &ray, t, cell, &crossing, &patch);
+                    strips.end(l, l.and(l.mask(wave.mask(at)), rises), ray.id, t);
                 }
                 if L::IN_ONE_LOOP {
                     ends.take::<L, KEEPS>(l, wave, passage, at, &crossing);

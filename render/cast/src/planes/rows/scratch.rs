@@ -2,6 +2,7 @@
 
 use super::carry::Left;
 use super::sky::SkyLanes;
+use super::strips::StripsKept;
 use crate::canvas::Canvas;
 use crate::lanes::LANES;
 use crate::planes::depart::Departure;
@@ -25,6 +26,10 @@ pub(in crate::planes) struct Scratch {
     /// the ground or, while it is on its way, to where it is clear.
     pub(super) reached: Vec<f32>,
     pub(super) lanes: [[i32; 2]; MEMORY],
+    /// Where rays keep their strips: up to where no ground inside them is over the rays, as far as these have
+    /// come.
+    pub(super) clear: Vec<f32>,
+    pub(super) strips: StripsKept,
     /// How steep the ground is at most around a step's lanes: a number for each 2 ^ [`SQUARE`] of them, which
     /// holds for those of the next two squares, too.
     pub(super) steepest: Vec<f64>,
@@ -108,7 +113,12 @@ impl Scratch {
             waves.low.truncate(0);
             waves.high.truncate(0);
         }
-        for numbers in [&mut self.reached, &mut self.advance, &mut self.slope] {
+        for numbers in [
+            &mut self.reached,
+            &mut self.clear,
+            &mut self.advance,
+            &mut self.slope,
+        ] {
             numbers.resize(numbers.len().max(room * MEMORY + BLOCK), 0.0);
         }
         for sky in &mut self.sky {
@@ -120,6 +130,7 @@ impl Scratch {
         self.led
             .resize(MEMORY * room.div_ceil(CHUNK), [i32::MIN, i32::MAX]);
         self.keeps_patches = false;
+        self.strips = StripsKept::default();
         self.shading.begin();
         self.pixels.begin(canvas, sector, width + MARGIN);
         room

@@ -17,7 +17,7 @@ const MANY: u32 = 8;
 
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
-const VERY_HIGH: f32 = 1e30;
+pub(super) const VERY_HIGH: f32 = 1e30;
 
 /// Those of the sixteen lanes from `first` on that are of `lanes`.
 pub(super) fn same_lanes(lanes: [i32; 2], first: i32) -> u16 {
@@ -32,6 +32,15 @@ pub(super) struct Stay<L: Lanes> {
     pub(super) ok: L::M,
     pub(super) enter: L::F,
     pub(super) leave: L::F,
+}
+
+/// Where sixteen rays begin by those of an earlier step.
+pub(super) struct Begin<L: Lanes> {
+    /// Those that know it.
+    pub(super) known: L::M,
+    /// Up to where they are clear, and about how many metres they are over the ground there.
+    pub(super) start: L::F,
+    pub(super) over: L::F,
 }
 
 impl<L: Lanes> Stay<L> {
@@ -69,6 +78,7 @@ impl<L: Lanes> March<'_, L> {
         let oblong = l.splat(self.oblong as f32);
         let slot = self.slot(step);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
+        let keeps_strips = scratch.strips.are_kept();
         let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
@@ -87,6 +97,9 @@ impl<L: Lanes> March<'_, L> {
             l.store(slope, group_mut(&mut scratch.slope, at));
             l.store(stay.nothing(l), group_mut(&mut scratch.reached, at));
             let in_chunk = (first - lanes[0]) as usize;
+            if keeps_strips {
+                l.store(l.splat(f32::INFINITY), group_mut(&mut scratch.clear, at));
+            }
             scratch.departure.clear(in_chunk, at);
             let ray = Ray {
                 advance,
@@ -102,7 +115,7 @@ impl<L: Lanes> March<'_, L> {
                 let turned = l.sqrt(l.add(one, l.mul(turned, turned)));
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
-            if in_chunk.is_multiple_of(BLOCK) {
+            if in_chunk.is_multiple_of(BLOCK) && !keeps_strips {
                 let ends = [first, lanes[1].min(first + BLOCK as i32) - 1];
                 let steepest = match across {
                     Some(across) => self.steepest_near(scratch, step, ends, across),
@@ -110,11 +123,15 @@ impl<L: Lanes> March<'_, L> {
                 };
                 shared = self.nearest::<3>(step, towards, ends, steepest);
             }
-            let before = shared.or_else(
-                #[inline(always)]
-                || {
-                    let ends = [first, first + count - 1];
-                    match across {
+            let ends = [first, first + count - 1];
+            // Which rays know from an earlier step up to where they are clear, and about how high they are over the
+            // ground there.
+            let begin = if keeps_strips {
+                self.begin_by_strips(step, towards, ends, &ray, &stay, scratch)
+            } else {
+                let before = shared.or_else(
+                    #[inline(always)]
+                    || match across {
                         Some(across) => {
                             let steepest = self.steepest_near(scratch, step, ends, across);
                             self.predecessor(step, towards, ends, steepest, MEMORY - 1)
@@ -123,22 +140,29 @@ impl<L: Lanes> March<'_, L> {
                             let steepest = scratch.steepest_around(first);
                             self.any_before(step, towards, ends, steepest)
                         }
+                    },
+                );
+                match before {
+                    Some(before) => {
+                        let before_step = step - before.steps as u32;
+                        let before_lanes = scratch.lanes[before_step as usize % MEMORY];
+                        // Those whose predecessors are the sector's.
+                        let known = l.mask(same_lanes(before_lanes, first + before.lanes));
+                        let before_at =
+                            (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
+                        let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
+                        let start = l.max(start, stay.enter);
+                        let over = l.mul(start, l.splat(before.rise as f32));
+                        Some(Begin { known, start, over })
                     }
-                },
-            );
+                    None => None,
+                }
+            };
             let mut fresh = stay.ok;
-            if let Some(before) = before {
-                let before_step = step - before.steps as u32;
-                let before_lanes = scratch.lanes[before_step as usize % MEMORY];
-                // Those whose predecessors are the sector's.
-                let known = l.mask(same_lanes(before_lanes, first + before.lanes));
-                let before_at = (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
-                let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                let start = l.max(start, stay.enter);
+            if let Some(Begin { known, start, over }) = begin {
                 let known = l.and(known, stay.ok);
                 fresh = l.and_not(stay.ok, known);
                 let known = l.and(known, l.lt(start, stay.leave));
-                let over = l.mul(start, l.splat(before.rise as f32));
                 let waves = &mut scratch.waves[..self.fields.len()];
                 let departure = &mut scratch.departure;
                 self.send(waves, departure, in_chunk, known, &ray, start, over, width);
@@ -217,7 +241,7 @@ impl<L: Lanes> March<'_, L> {
 
     /// Where rays come over the ground, or down to where some may be.
     #[inline(always)]
-    fn fresh_start(&self, ray: &Ray<L>, stay: &Stay<L>) -> L::F {
+    pub(super) fn fresh_start(&self, ray: &Ray<L>, stay: &Stay<L>) -> L::F {
         let l = self.l;
         let field = &self.fields[0];
         if field.is_above() {
