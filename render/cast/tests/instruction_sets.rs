@@ -120,6 +120,30 @@ fn ground_with_a_photo_has_the_same_bytes_on_all() {
     assert_same_images(ground(300, 290, hills).with_photo(photo()), "");
 }
 
+/// Where rays begin from those around them.
+#[test]
+fn a_town_has_the_same_bytes_on_all() {
+    let town = |col: u32, row: u32| {
+        let storeys = (col / 20 * 7 + row / 20 * 5) % 4 + 2;
+        if col % 20 < 11 && row % 20 < 11 {
+            3.0 * storeys as f32
+        } else {
+            0.0
+        }
+    };
+    let scene = Scene::new(Ground::from_fn(401, 401, DVec2::ONE, town).expect("a sound grid"));
+    let eye = DVec3::new(110.0, 30.0, 30.0);
+    let beside = DVec3::new(-40.0, -60.0, 60.0);
+    let views = [
+        camera(eye, 0.3, -0.15, 0.0).view([640, 400]),
+        camera(eye, 0.3, -0.3, 0.4).view([640, 400]),
+        camera(eye, -2.5, -0.2, 2.2).view([640, 400]),
+        camera(beside, 0.7, -0.2, 0.1).view([640, 400]),
+        standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), [640, 400]),
+    ];
+    assert_same_views(&scene, &views, "");
+}
+
 #[test]
 fn detail_has_the_same_bytes_on_all() {
     // Coarse enough for several levels in a small image.
