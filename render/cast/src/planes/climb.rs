@@ -3,7 +3,6 @@
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::roofs::{FINEST, LEVEL_BEGIN, TOP};
-use super::strips::WIDEST;
 use super::walk::Passage;
 use super::wave::{Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -82,11 +81,9 @@ pub(super) fn approach<L: Lanes, const STRIPS: bool>(
     let along = l.add(l.sub(t, major_end), half);
     let mut advance = ray.advance;
     if STRIPS {
-        // The roof is looked at on that side of the strip on which it is higher, as long as strips are asked for.
-        let width = l.splat(width);
-        let narrow = l.lt(l.mul(t, width), l.splat(WIDEST));
-        let aside = l.and(narrow, l.lt(minor_rise, zero));
-        advance = l.select(aside, l.sub(advance, width), advance);
+        // The roof is looked at on that side of the strip on which it is higher.
+        let falls = l.lt(minor_rise, zero);
+        advance = l.select(falls, l.sub(advance, l.splat(width)), advance);
     }
     let aside = l.add(l.sub(l.mul(t, advance), minor_end), half);
     let roof = l.add(l.mul(major_rise, along), l.mul(minor_rise, aside));

@@ -6,9 +6,6 @@ use super::walk::Crossing;
 use super::wave::Ray;
 use crate::lanes::{Lanes, group_mut};
 
-/// How many cells wide strips may be: wider ones may have several grid lines inside.
-pub(super) const WIDEST: f32 = 1.0;
-
 /// What rays keep of the strips beside them.
 ///
 /// A ray's strip lies on that side of it on which rays advance less, so that where both come over the

@@ -9,8 +9,10 @@ use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use super::set_out::{Begin, Stay, VERY_HIGH, same_lanes};
 use crate::lanes::{LANES, Lanes, group};
-use crate::planes::strips::WIDEST;
 use crate::planes::wave::Ray;
+
+/// How many cells wide strips may be: wider ones may have several grid lines inside.
+const WIDEST: f32 = 1.0;
 
 /// So many rays of an earlier step may be asked for one.
 const MOST: f64 = 4.0;
@@ -74,7 +76,11 @@ impl<L: Lanes> March<'_, L> {
             }
         }
         let width = self.strip_width(step, scratch.lanes[step as usize % MEMORY]);
-        scratch.strips.widths[step as usize % MEMORY] = width;
+        let kept = &mut scratch.strips;
+        kept.widths[step as usize % MEMORY] = width;
+        if width.is_infinite() {
+            kept.from = None;
+        }
     }
 
     /// Of so many groups of a step strips would be of use: rays have none before them to begin from, and would
@@ -112,7 +118,8 @@ impl<L: Lanes> March<'_, L> {
         groups.filter(is_of_use).count() as i32
     }
 
-    /// How wide strips between a step's neighbours are at most.
+    /// How wide strips between a step's neighbours are at most: infinitely, where one does not run along the
+    /// major axis.
     fn strip_width(&self, step: u32, [from, to]: [i32; 2]) -> f32 {
         let v = self.directions.lane;
         let ends = [from - 1, to].map(|lane| self.directions.at(step, lane));
