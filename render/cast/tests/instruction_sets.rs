@@ -1,8 +1,10 @@
 //! The default caster on each instruction set that the processor has.
 
 mod hills;
+mod town;
 
 use self::hills::{camera, ground, hills};
+use self::town::{OVER_ROOFS, town};
 use glam::{DVec2, DVec3};
 use sandtable_cast::{
     CastPool, Caster, Image, PreparedScene, Scene, Scheme, caster_by_name, standpoints,
@@ -123,21 +125,12 @@ fn ground_with_a_photo_has_the_same_bytes_on_all() {
 /// Where rays begin from those around them.
 #[test]
 fn a_town_has_the_same_bytes_on_all() {
-    let town = |col: u32, row: u32| {
-        let storeys = (col / 20 * 7 + row / 20 * 5) % 4 + 2;
-        if col % 20 < 11 && row % 20 < 11 {
-            3.0 * storeys as f32
-        } else {
-            0.0
-        }
-    };
-    let scene = Scene::new(Ground::from_fn(401, 401, DVec2::ONE, town).expect("a sound grid"));
-    let eye = DVec3::new(110.0, 30.0, 30.0);
+    let scene = Scene::new(town());
     let beside = DVec3::new(-40.0, -60.0, 60.0);
     let views = [
-        camera(eye, 0.3, -0.15, 0.0).view([640, 400]),
-        camera(eye, 0.3, -0.3, 0.4).view([640, 400]),
-        camera(eye, -2.5, -0.2, 2.2).view([640, 400]),
+        camera(OVER_ROOFS, 0.3, -0.15, 0.0).view([640, 400]),
+        camera(OVER_ROOFS, 0.3, -0.3, 0.4).view([640, 400]),
+        camera(OVER_ROOFS, -2.5, -0.2, 2.2).view([640, 400]),
         camera(beside, 0.7, -0.2, 0.1).view([640, 400]),
         standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), [640, 400]),
     ];
