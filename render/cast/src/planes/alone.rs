@@ -8,23 +8,55 @@ use crate::brute;
 use crate::canvas::Canvas;
 use crate::intersect::{GridFrame, GridRay};
 use crate::tally::Tally;
-use sandtable_terrain::TILE_CELLS;
+use glam::{DVec2, DVec3};
+use sandtable_terrain::{Ground, Rgb, TILE_CELLS};
+
+/// Heights over the eye, as a share of both, that are no more than rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What is known of a view whose pixels are cast alone.
+pub(super) struct Alone<'a> {
+    grid: GridFrame<'a>,
+    /// The ground's colour at the eye, where it is in the ground: all that there is to see, right before it.
+    at_the_eye: Option<Rgb>,
+}
+
+impl<'a> Alone<'a> {
+    pub(super) fn new(ground: &'a Ground, eye: DVec3) -> Self {
+        let is_inside = eye.truncate().cmpgt(DVec2::ZERO).all()
+            && eye.truncate().cmplt(ground.grid().extent()).all();
+        let height = ground.height_at(eye.x, eye.y).filter(|_| is_inside);
+        let is_in_it =
+            height.is_some_and(|height| height - eye.z > ROUNDING * height.abs().max(eye.z.abs()));
+        Self {
+            grid: GridFrame::new(ground),
+            at_the_eye: is_in_it.then(|| ground.colour_at(eye.x, eye.y)),
+        }
+    }
+}
 
 /// Casts each pixel of a row alone.
 pub(super) fn cast_row<T: Tally>(
     frame: &Frame<'_>,
-    grid: &GridFrame<'_>,
+    alone: &Alone<'_>,
     row: u32,
     canvas: &Canvas<'_>,
     tally: &mut T,
 ) {
+    if let Some(colour) = alone.at_the_eye {
+        for i in 0..frame.view.size[0] {
+            tally.ray();
+            canvas.set([i, row], colour, 0.0);
+        }
+        return;
+    }
     let blocks = Blocks {
         roofs: &frame.levels[0].roofs,
         cells: frame.levels[0].cells,
         rounding: f64::from(frame.rounding),
     };
     let first_hit = |ray: &GridRay<'_>, tally: &mut T| blocks.first_hit(ray, tally);
-    brute::cast_row(grid, frame.view, row, canvas, tally, first_hit);
+    brute::cast_row(&alone.grid, frame.view, row, canvas, tally, first_hit);
 }
 
 /// The ground's blocks.
@@ -121,8 +153,6 @@ mod tests {
     use crate::tally::Uncounted;
     use crate::units::UnitCaster;
     use crate::{Caster, Image, Scene, Scheme};
-    use glam::{DVec2, DVec3};
-    use sandtable_terrain::Ground;
     use sandtable_view::{Attitude, Camera, View};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -156,6 +186,7 @@ mod tests {
     #[test]
     fn it_is_what_brute_force_sees() {
         let scene = Scene::new(ground());
+        let surface = scene.ground.height_at(1500.0, 1000.0).expect("it is there");
         let (middle_x, middle_y) = (1500.0, 1058.0);
         let far = 3e6 / 2.0_f64.sqrt();
         let views = [
@@ -169,6 +200,11 @@ mod tests {
             view([-400.0, -300.0, 200.0], [FRAC_PI_4, -0.2, 0.1], 0.9),
             view([1500.0, -30.0, -90.0], [0.1, 0.3, 0.0], 1.4),
             view([1500.0, 1000.0, -300.0], [1.0, 0.5, 0.0], 1.0),
+            // In it, as far as rounding tells; on its border; and at its corner.
+            view([1500.0, 1000.0, surface], [1.0, -0.1, 0.0], 1.0),
+            view([1500.0, 1000.0, surface.next_down()], [1.0, 0.3, 0.0], 1.0),
+            view([0.0, 1000.0, -300.0], [0.2, 0.5, 0.4], 1.4),
+            view([3000.0, 2116.0, -300.0], [-2.5, 0.5, 0.0], 1.4),
             // From afar.
             view(
                 [middle_x, middle_y - far, far],
@@ -193,10 +229,10 @@ mod tests {
             let mut image = Image::default();
             image.reset(view);
             let frame = prepared.frame(&view).expect("a proper view");
-            let grid = GridFrame::new(&scene.ground);
+            let alone = Alone::new(&scene.ground, view.eye);
             let canvas = Canvas::new(&mut image);
             for row in 0..view.size[1] {
-                cast_row(&frame, &grid, row, &canvas, &mut Uncounted);
+                cast_row(&frame, &alone, row, &canvas, &mut Uncounted);
             }
             let ground = image.depth.iter().filter(|depth| depth.is_finite()).count();
             assert!(ground > 2000, "{ground} of {view:?}");

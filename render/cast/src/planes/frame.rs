@@ -1,11 +1,11 @@
 //! One view of the prepared ground.
 
+use super::alone::Alone;
 use super::detail::DetailFrame;
 use super::field::Tiles;
 use super::roofs::{Roof, Roofs};
 use super::sectors::{ImageRays, Sector};
 use super::steepness::{Steepness, SteepnessSeen};
-use crate::intersect::GridFrame;
 use crate::lanes::Isa;
 use glam::DVec3;
 use sandtable_terrain::{Ground, TiledRaster};
@@ -89,7 +89,7 @@ pub(super) struct Frame<'a> {
     /// Metres by which heights, rounded a few times, may be wrong.
     pub(super) rounding: f32,
     /// Where the kernels are not made for the eye's place: each pixel is cast alone.
-    pub(super) alone: Option<GridFrame<'a>>,
+    pub(super) alone: Option<Alone<'a>>,
     /// How fast the ground is taken to rise towards rays: metres a cell.
     pub(super) ground_rise: f32,
 }

@@ -30,6 +30,7 @@ mod widest;
 pub use self::floor::ShadeFloor;
 pub use self::survey::Survey;
 
+use self::alone::Alone;
 use self::detail::{Detail, DetailOptions};
 use self::frame::{Frame, Level};
 use self::roofs::Roofs;
@@ -37,7 +38,6 @@ use self::rows::{Scratch, cast_sector};
 use self::sectors::{Bounds, ImageRays, Sector};
 use self::steepness::{Steepness, SteepnessSeen};
 use crate::canvas::Canvas;
-use crate::intersect::GridFrame;
 use crate::lanes::{Isa, Kernel, Lanes};
 use crate::options::{CasterOption, Options};
 use crate::tally::Tally;
@@ -237,7 +237,7 @@ impl UnitCaster for PlanesScene {
             highest: high,
             rounding,
             steepness,
-            alone: alone.then(|| GridFrame::new(own)),
+            alone: alone.then(|| Alone::new(own, view.eye)),
             ground_rise: 0.5 * ground.grid().cell_length() as f32,
         })
     }
@@ -250,8 +250,8 @@ impl UnitCaster for PlanesScene {
     }
 
     fn cast_unit<T: Tally>(frame: &Frame<'_>, unit: usize, canvas: &Canvas<'_>, tally: &mut T) {
-        if let Some(grid) = &frame.alone {
-            alone::cast_row(frame, grid, unit as u32, canvas, tally);
+        if let Some(alone) = &frame.alone {
+            alone::cast_row(frame, alone, unit as u32, canvas, tally);
             return;
         }
         SCRATCH.with_borrow_mut(|scratch| {
