@@ -3,6 +3,7 @@
 use super::coarser::Coarser;
 use super::field::{Axis, Field};
 use super::roofs::{FINEST, LEVEL_BEGIN, TOP};
+use super::strips::{NARROW, StripWidths};
 use super::walk::Passage;
 use super::wave::{Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -40,7 +41,7 @@ pub(super) struct Approach<L: Lanes> {
 }
 
 /// Leads rays that are at t in a mirrored cell to the roof of their block, which lies at `place`. Where
-/// rays keep `STRIPS`, so many cells wide for each 1 of t, none of the block's ground in them is higher.
+/// rays keep `STRIPS`, none of the block's ground in them is higher.
 #[inline(always)]
 #[allow(
     clippy::too_many_arguments,
@@ -49,27 +50,23 @@ pub(super) struct Approach<L: Lanes> {
 pub(super) fn approach<L: Lanes, const STRIPS: bool>(
     l: L,
     field: &Field<'_>,
+    mask: L::M,
     ray: &Ray<L>,
     t: L::F,
     [major, minor]: [L::I; 2],
     level: L::I,
     place: &[i32; LANES],
-    width: f32,
+    widths: StripWidths,
 ) -> Approach<L> {
     let (zero, one) = (l.splat(0.0), l.splat_i(1));
     let eye = l.splat(field.eye_height - field.rounding);
     let [x, y] = field.cells(l, major, minor);
-    let [height, rise] = l.pairs(&field.roofs.items, place);
-    let height = l.float_of_bits(height);
-    let east = l.float_of_bits(l.shl_i(rise, l.splat_i(16)));
-    let north = l.float_of_bits(l.and_i(rise, l.splat_i(-65536)));
-    let (major_cell, minor_cell, major_rise, minor_rise) = if field.major_axis == 0 {
-        (x, y, east, north)
+    let [height, major_rise, minor_rise] = roof(l, field, place);
+    let (major_cell, minor_cell) = if field.major_axis == 0 {
+        (x, y)
     } else {
-        (y, x, north, east)
+        (y, x)
     };
-    let major_rise = l.mul(major_rise, l.splat(field.major.sign as f32));
-    let minor_rise = l.mul(minor_rise, l.splat(field.minor.sign as f32));
     let major_last = last_of_block(l, &field.major, major, major_cell, level);
     let minor_last = last_of_block(l, &field.minor, minor, minor_cell, level);
     let major_end = line(l, &field.major, major_last);
@@ -83,7 +80,7 @@ pub(super) fn approach<L: Lanes, const STRIPS: bool>(
     if STRIPS {
         // The roof is looked at on that side of the strip on which it is higher.
         let falls = l.lt(minor_rise, zero);
-        advance = l.select(falls, l.sub(advance, l.splat(width)), advance);
+        advance = l.select(falls, l.sub(advance, l.splat(widths.by_t)), advance);
     }
     let aside = l.add(l.sub(l.mul(t, advance), minor_end), half);
     let roof = l.add(l.mul(major_rise, along), l.mul(minor_rise, aside));
@@ -92,7 +89,14 @@ pub(super) fn approach<L: Lanes, const STRIPS: bool>(
     let rate = l.sub(l.sub(ray.slope, major_rise), l.mul(minor_rise, advance));
     let length = l.sub(next, t);
     let next_over = l.add(over, l.mul(rate, length));
-    let begins = l.lt(zero, over);
+    let mut begins = l.lt(zero, over);
+    if STRIPS {
+        let ends = [t, next];
+        let rises = beside_rises(
+            l, field, mask, ray, ends, major, minor_last, along, level, widths,
+        );
+        begins = l.and_not(begins, rises);
+    }
     let clear = l.and(begins, l.lt(zero, next_over));
     // Where it comes under the roof: a little before, whatever is rounded.
     let part = l.mul(l.div(over, l.sub(over, next_over)), l.splat(0.999));
@@ -118,6 +122,85 @@ pub(super) fn approach<L: Lanes, const STRIPS: bool>(
         ],
         over: l.min(over, next_over),
     }
+}
+
+/// Beside which rays of `mask`, from one t to another, the roof of the block before their own along the minor axis
+/// is higher than they are, where their strips reach out over it: those may be
+/// wider than a cell. `cell` is in their own block, of which `minor_last` is the last one along that axis, and
+/// `along` is how far they are behind its middle along the major one, at the first t.
+#[inline(always)]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "where rays are, and what is beside them"
+)]
+fn beside_rises<L: Lanes>(
+    l: L,
+    field: &Field<'_>,
+    mask: L::M,
+    ray: &Ray<L>,
+    [t, next]: [L::F; 2],
+    major: L::I,
+    minor_last: L::I,
+    along: L::F,
+    level: L::I,
+    widths: StripWidths,
+) -> L::M {
+    let none = l.mask(0);
+    if widths.most <= NARROW {
+        return none;
+    }
+    let mask = widths.are_wide(l, mask, [t, next]);
+    if l.bits(mask) == 0 {
+        return none;
+    }
+    let zero = l.splat(0.0);
+    let size = l.shl_i(l.splat_i(1), level);
+    let half = l.mul(l.to_float(size), l.splat(0.5));
+    let last = l.sub_i(minor_last, size);
+    let begin = line(l, &field.minor, last);
+    let advance = l.sub(ray.advance, l.splat(widths.by_t));
+    let sides = [t, next].map(|t| l.mul(t, advance));
+    let there = l.gt_i(last, l.splat_i(field.minor.cells[0] - 1));
+    let reaches = l.and(there, l.lt(l.min(sides[0], sides[1]), begin));
+    let mask = l.and(mask, reaches);
+    if l.bits(mask) == 0 {
+        return none;
+    }
+    let mut at = [0; LANES];
+    l.store_i(place(l, field, mask, [major, last], level), &mut at);
+    let [height, major_rise, minor_rise] = roof(l, field, &at);
+    // Where it is highest: at its end, or at the strip's.
+    let eye = l.splat(field.eye_height - field.rounding);
+    let ends_higher = l.lt(zero, minor_rise);
+    let over = |t: L::F, side: L::F, along: L::F| {
+        let aside = l.add(l.sub(side, begin), half);
+        let aside = l.select(ends_higher, half, aside);
+        let roof = l.add(l.mul(major_rise, along), l.mul(minor_rise, aside));
+        l.sub(l.sub(l.add(l.mul(t, ray.slope), eye), height), roof)
+    };
+    let further = l.add(along, l.sub(next, t));
+    let least = l.min(over(t, sides[0], along), over(next, sides[1], further));
+    l.and_not(mask, l.lt(zero, least))
+}
+
+/// Roofs at places: their heights over the middles of their blocks, and how they rise along the mirrored major and
+/// minor axis.
+#[inline(always)]
+fn roof<L: Lanes>(l: L, field: &Field<'_>, place: &[i32; LANES]) -> [L::F; 3] {
+    let [height, rise] = l.pairs(&field.roofs.items, place);
+    let height = l.float_of_bits(height);
+    let east = l.float_of_bits(l.shl_i(rise, l.splat_i(16)));
+    let north = l.float_of_bits(l.and_i(rise, l.splat_i(-65536)));
+    let (major_rise, minor_rise) = if field.major_axis == 0 {
+        (east, north)
+    } else {
+        (north, east)
+    };
+    [
+        height,
+        l.mul(major_rise, l.splat(field.major.sign as f32)),
+        l.mul(minor_rise, l.splat(field.minor.sign as f32)),
+    ]
 }
 
 /// Which rays are so far over the roofs of their blocks that larger ones will do.
@@ -146,7 +229,7 @@ pub(super) fn climb<L: Lanes, const STRIPS: bool>(
     wave: &mut Wave,
     low: &mut Wave,
     passage: &mut Passage,
-    width: f32,
+    widths: StripWidths,
     mut coarser: Option<Coarser<'_>>,
 ) {
     let top = l.splat_i(TOP as i32);
@@ -174,12 +257,13 @@ pub(super) fn climb<L: Lanes, const STRIPS: bool>(
         let to = approach::<L, STRIPS>(
             l,
             field,
+            l.mask(wave.mask(at)),
             &ray,
             wave.t(l, at),
             wave.cell(l, at),
             level,
             place,
-            width,
+            widths,
         );
         let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
         let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
@@ -364,8 +448,17 @@ mod tests {
             for above in [1e-5, 1e-4, 1e-3, 1e-2, 1.0] {
                 field.eye_height = (roof - f64::from(slope) * f64::from(t) + above) as f32;
                 let rays = rays(slope);
-                let to =
-                    approach::<_, false>(l, &field, &rays, l.splat(t), cell, finest, &place, 0.0);
+                let to = approach::<_, false>(
+                    l,
+                    &field,
+                    all,
+                    &rays,
+                    l.splat(t),
+                    cell,
+                    finest,
+                    &place,
+                    StripWidths::default(),
+                );
                 led += u32::from(l.bits(to.begins) & !l.bits(to.clear) & 1);
                 assert!(to.t[0] >= t);
                 for (to, from) in to.cell.iter().zip(cell) {

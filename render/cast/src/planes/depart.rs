@@ -6,7 +6,7 @@ use super::coarser::Coarser;
 use super::field::Field;
 use super::patches::Patches;
 use super::roofs::FINEST;
-use super::strips::Strips;
+use super::strips::{StripWidths, Strips};
 use super::walk::{Crossing, Passage, ask, cross, fetch, go_on, hits_here, meet, place};
 use super::wave::{CHUNK, Ray, Waves};
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -154,8 +154,8 @@ pub(super) fn depart<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
         l.vectorize(
             #[inline(always)]
             || {
-                let width = strips.width;
-                lead_to_roofs::<L, STRIPS>(l, fields, departure, step, waves, passage, width);
+                let widths = strips.widths;
+                lead_to_roofs::<L, STRIPS>(l, fields, departure, step, waves, passage, widths);
             },
         );
     }
@@ -204,7 +204,7 @@ fn lead_to_roofs<L: Lanes, const STRIPS: bool>(
     step: &Step<'_>,
     waves: &mut [Waves],
     passage: &mut Passage,
-    width: f32,
+    widths: StripWidths,
 ) {
     let finest = l.splat_i(FINEST as i32);
     let groups = || (0..step.count).step_by(LANES);
@@ -234,8 +234,8 @@ fn lead_to_roofs<L: Lanes, const STRIPS: bool>(
         let ray = step.ray(l, field, departure, at);
         let (t, cell) = (l.load(group(&departure.t, at)), departure.cell(l, at));
         let place = group(&passage.place, at);
-        let to = approach::<L, STRIPS>(l, field, &ray, t, cell, finest, place, width);
         let mask = l.mask(high);
+        let to = approach::<L, STRIPS>(l, field, mask, &ray, t, cell, finest, place, widths);
         let t = l.select(mask, to.t, t);
         let cell = [
             l.select_i(mask, to.cell[0], cell[0]),
@@ -295,8 +295,8 @@ fn lead_through_cells<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
                     patches.store(l, departure.firsts[at / LANES] as usize, &patch);
                 }
                 if STRIPS {
-                    let rises = strips.rises(l, field, &ray, t, cell, &crossing, &patch);
-                    let rises = l.and(l.mask(departure.masks[at / LANES]), rises);
+                    let mask = l.mask(departure.masks[at / LANES]);
+                    let rises = strips.rises(l, field, mask, &ray, t, cell, &crossing, &patch);
                     strips.end_first(l, rises, departure.firsts[at / LANES] as usize, t);
                 }
                 if L::IN_ONE_LOOP {

@@ -406,7 +406,7 @@ impl<'a, L: Lanes> March<'a, L> {
             &mut scratch.reached,
             &mut scratch.patches,
             Strips {
-                width: scratch.strips.width(),
+                widths: scratch.strips.widths(),
                 clear: &mut scratch.clear,
             },
         );
@@ -417,7 +417,7 @@ impl<'a, L: Lanes> March<'a, L> {
     fn go_on<T: Tally>(&self, scratch: &mut Scratch, unfinished: usize, tally: &mut T) {
         let l = self.l;
         let keeps_strips = scratch.strips.are_kept();
-        let width = scratch.strips.width();
+        let widths = scratch.strips.widths();
         while let Some((level, climbs)) = self.next_wave(scratch, unfinished) {
             let (waves, behind) = scratch.waves[level..].split_at_mut(1);
             let Waves { low, high } = &mut waves[0];
@@ -430,9 +430,9 @@ impl<'a, L: Lanes> March<'a, L> {
                     || {
                         let passage = &mut scratch.passage;
                         if keeps_strips {
-                            climb::<L, true>(l, field, high, low, passage, width, coarser);
+                            climb::<L, true>(l, field, high, low, passage, widths, coarser);
                         } else {
-                            climb::<L, false>(l, field, high, low, passage, width, coarser);
+                            climb::<L, false>(l, field, high, low, passage, widths, coarser);
                         }
                     },
                 );
@@ -440,7 +440,7 @@ impl<'a, L: Lanes> March<'a, L> {
                 let passage = &mut scratch.passage;
                 let (reached, patches) = (&mut scratch.reached, &mut scratch.patches);
                 let strips = Strips {
-                    width,
+                    widths,
                     clear: &mut scratch.clear,
                 };
                 let walk = if keeps_strips {

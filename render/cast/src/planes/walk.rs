@@ -190,8 +190,9 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
                     passage.keep_patch(l, at, &patch);
                 }
                 if STRIPS {
-                    let rises = strips.rises(l, field, &ray, t, cell, &crossing, &patch);
-                    strips.end(l, l.and(l.mask(wave.mask(at)), rises), ray.id, t);
+                    let mask = l.mask(wave.mask(at));
+                    let rises = strips.rises(l, field, mask, &ray, t, cell, &crossing, &patch);
+                    strips.end(l, rises, ray.id, t);
                 }
                 if L::IN_ONE_LOOP {
                     ends.take::<L, KEEPS>(l, wave, passage, at, &crossing);

@@ -9,29 +9,33 @@ use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use super::set_out::{Begin, Stay, VERY_HIGH, same_lanes};
 use crate::lanes::{LANES, Lanes, group};
+use crate::planes::strips::{NARROW, StripWidths, WIDE};
 use crate::planes::wave::Ray;
 
-/// How many cells wide strips may be: wider ones may have several grid lines inside.
-const WIDEST: f32 = 1.0;
+/// How many lanes apart the outermost of those rays of an earlier step may lie that are asked for one.
+const MOST: f64 = 3.0;
 
-/// So many rays of an earlier step may be asked for one.
-const MOST: f64 = 4.0;
-
-/// Every how many steps it is looked at whether strips are of use, and at how many groups of rays.
+/// Every how many steps, beside the second one, it is looked at whether strips are of use, and at how many groups of
+/// rays.
 const LOOK: u32 = 8;
 const LOOKS: i32 = 16;
 
 /// Of fewer lanes it is not looked at.
 const LEAST: i32 = 4 * LANES as i32;
 
-/// Cells: ways that are no longer cost rays little.
-const SHORT: f32 = 16.0;
+/// Cells: ways that are no longer cost rays no more than to keep strips.
+const SHORT: f32 = 3.0;
+
+/// Wide strips are kept where narrow ones would spare rays less than this part of their way: to look at three lines
+/// and at two blocks takes twice as long as at one.
+const LITTLE: f32 = 0.33;
 
 /// From how many of these groups on rays keep their strips, and up to how many they cease to.
 const MANY: i32 = 2;
 const FEW: i32 = 0;
 
-/// The rays of an earlier step whose strips have in them those of a group and these rays' own strips.
+/// The rays of an earlier step between which those of a group lie, and whose strips have these rays' own strips in
+/// them.
 #[derive(Clone, Copy)]
 struct Enclosing {
     /// Steps back.
@@ -47,6 +51,8 @@ struct Enclosing {
 pub(super) struct StripsKept {
     /// From which step on rays keep them, where they do.
     from: Option<u32>,
+    /// Whether they are looked at where they are wide.
+    are_wide: bool,
     /// How wide those of the last steps are at most, in cells along the minor axis for each 1 of t.
     widths: [f32; MEMORY],
 }
@@ -57,22 +63,31 @@ impl StripsKept {
     }
 
     /// How wide strips of the last steps are at most.
-    pub(super) fn width(&self) -> f32 {
-        self.widths.iter().copied().fold(0.0, f32::max)
+    pub(super) fn widths(&self) -> StripWidths {
+        StripWidths {
+            by_t: self.widths.iter().copied().fold(0.0, f32::max),
+            most: if self.are_wide { WIDE } else { NARROW },
+        }
     }
 }
 
 impl<L: Lanes> March<'_, L> {
     /// Begins to keep strips or ceases to, and finds how wide those of a step are.
     pub(super) fn look_at_strips(&self, step: u32, scratch: &mut Scratch) {
-        if step > 0 && step.is_multiple_of(LOOK) {
-            let of_use = self.strips_of_use(step, scratch);
+        if step == 1 || step > 0 && step.is_multiple_of(LOOK) {
+            let [of_use, far] = self.strips_of_use(step, scratch);
             let kept = &mut scratch.strips;
             if kept.from.is_none() && of_use >= MANY {
                 kept.from = Some(step);
+                kept.are_wide = false;
                 scratch.keeps_patches = false;
             } else if of_use <= FEW {
                 kept.from = None;
+            }
+            if kept.from.is_some() && !kept.are_wide && far >= MANY {
+                // What is inside strips that have come to be wide has not been looked at so far.
+                kept.are_wide = true;
+                kept.from = Some(step);
             }
         }
         let width = self.strip_width(step, scratch.lanes[step as usize % MEMORY]);
@@ -84,38 +99,44 @@ impl<L: Lanes> March<'_, L> {
     }
 
     /// Of so many groups of a step strips would be of use: rays have none before them to begin from, and would
-    /// be spared at least half of their way to where those of the step before came.
+    /// be spared at least half of their way to where those of the step before came. And of so many of these if
+    /// they are wide.
     #[inline(never)]
-    fn strips_of_use(&self, step: u32, scratch: &Scratch) -> i32 {
+    fn strips_of_use(&self, step: u32, scratch: &Scratch) -> [i32; 2] {
         let [from, to] = scratch.lanes[step as usize % MEMORY];
         let before = scratch.lanes[(step - 1) as usize % MEMORY];
         let count = to - from;
         if count < LEAST || before[0] >= before[1] {
-            return 0;
+            return [0; 2];
         }
         let field = &self.fields[0];
         let towards = self.towards(step);
-        let limit = WIDEST / scratch.strips.width();
-        let is_of_use = |first: &i32| {
+        let narrow = NARROW / scratch.strips.widths().by_t;
+        let (mut of_use, mut far) = (0, 0);
+        for k in 0..LOOKS {
+            let first = from + (count - 1) * k / LOOKS;
             let last = to.min(first + LANES as i32) - 1;
-            let d = self.directions.at(step, *first);
+            let d = self.directions.at(step, first);
             let begin = if field.is_above() {
                 (f64::from(field.highest - field.eye_height) * d.x / d.z) as f32
             } else {
                 self.bounds[0][0].max(0.0)
             };
-            let lane = (*first).clamp(before[0], before[1] - 1);
+            let lane = first.clamp(before[0], before[1] - 1);
             let at = self.slot(step - 1) + MARGIN + lane as usize;
             let way = scratch.reached[at].abs() - begin;
-            let steepest = scratch.steepest_around(*first);
-            way > SHORT
+            let is_far = narrow - begin < LITTLE * way;
+            let limit = if is_far { WIDE * narrow } else { narrow };
+            let steepest = scratch.steepest_around(first);
+            let is_of_use = way > SHORT
                 && limit - begin > 0.5 * way
                 && self
-                    .any_before(step, towards, [*first, last], steepest)
-                    .is_none()
-        };
-        let groups = (0..LOOKS).map(|k| from + (count - 1) * k / LOOKS);
-        groups.filter(is_of_use).count() as i32
+                    .any_before(step, towards, [first, last], steepest)
+                    .is_none();
+            of_use += i32::from(is_of_use);
+            far += i32::from(is_of_use && is_far);
+        }
+        [of_use, far]
     }
 
     /// How wide strips between a step's neighbours are at most: infinitely, where one does not run along the
@@ -145,19 +166,14 @@ impl<L: Lanes> March<'_, L> {
             step: u, lane: v, ..
         } = self.directions;
         let most = step - scratch.strips.from?;
-        let aside = ends.map(|lane| towards[0] + f64::from(lane) * towards[1]);
+        // The group's own strips reach to the rays beside it.
+        let aside =
+            [ends[0] - 1, ends[1] + 1].map(|lane| towards[0] + f64::from(lane) * towards[1]);
         let ends = ends.map(|lane| self.directions.at(step, lane));
-        let advances_by_lane = v.y * ends[0].x > v.x * ends[0].y;
         for steps in 1..=(MEMORY as u32 - 1).min(most) {
             let back = f64::from(steps);
-            let mut from = (back * aside[0].min(aside[1]) - 1e-6).floor();
-            let mut to = (back * aside[0].max(aside[1]) + 1e-6).ceil();
-            // And, of those that advance less, one more, for the rays' own strips.
-            if advances_by_lane {
-                from -= 1.0;
-            } else {
-                to += 1.0;
-            }
+            let from = (back * aside[0].min(aside[1]) - 1e-6).floor();
+            let to = (back * aside[0].max(aside[1]) + 1e-6).ceil();
             if from.abs().max(to.abs()) > FARTHEST || to - from > MOST {
                 continue;
             }
@@ -206,7 +222,8 @@ impl<L: Lanes> March<'_, L> {
             clear = l.min(clear, l.min(l.abs(reached), inside));
         }
         // Where strips become too wide rays may still be high, as where they come over the ground.
-        let widest = l.splat(WIDEST / scratch.strips.width());
+        let StripWidths { by_t, most } = scratch.strips.widths();
+        let widest = l.splat(most / by_t);
         let fresh = self.fresh_start(ray, stay);
         let follows = l.and(l.lt(clear, widest), l.lt(fresh, clear));
         let start = l.max(l.min(clear, widest), fresh);
