@@ -1,8 +1,10 @@
 //! The default caster on each instruction set that the processor has.
 
+mod gorges;
 mod hills;
 mod town;
 
+use self::gorges::{from_afar, gorges};
 use self::hills::{camera, ground, hills};
 use self::town::{OVER_ROOFS, town};
 use glam::{DVec2, DVec3};
@@ -135,6 +137,12 @@ fn a_town_has_the_same_bytes_on_all() {
         standpoints::at_table(&scene.ground, DVec3::new(0.1, -0.7, 0.6), [640, 400]),
     ];
     assert_same_views(&scene, &views, "");
+}
+
+/// The same, and so far apart that several lines of posts lie between.
+#[test]
+fn gorges_far_away_have_the_same_bytes_on_all() {
+    assert_same_views(&Scene::new(gorges()), &[from_afar()], "");
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! What the pictures of the default caster show.
 
+mod gorges;
 mod town;
 
+use self::gorges::{from_afar, gorges};
 use self::town::{OVER_ROOFS, town};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sandtable_cast::{CastPool, Scene, Survey, caster_by_name, standpoints};
-use sandtable_terrain::{TerrainSource, open};
-use sandtable_view::{Attitude, Camera};
+use sandtable_terrain::{Ground, TerrainSource, open};
+use sandtable_view::{Attitude, Camera, View};
 use std::error::Error;
 
 #[test]
@@ -72,13 +74,19 @@ fn rays_close_by_look_at_little_more_than_their_own_cell() -> Result<(), Box<dyn
     Ok(())
 }
 
+/// How many cells and blocks a ray looks at on average.
+fn looks(ground: Ground, view: View) -> Result<f64, Box<dyn Error>> {
+    let scene = Scene::new(ground);
+    let pool = CastPool::new(2)?;
+    let caster = caster_by_name("planes")?;
+    let prepared = pool.run(|| caster.prepare(scene))?;
+    let pixels = view.size[0] * view.size[1];
+    Ok(prepared.work(&view)?.cells as f64 / f64::from(pixels))
+}
+
 /// Walls might come between a ray and any one before it; but not between it and both of those around it unseen.
 #[test]
 fn among_houses_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>> {
-    let scene = Scene::new(town());
-    let caster = caster_by_name("planes")?;
-    let pool = CastPool::new(2)?;
-    let prepared = pool.run(|| caster.prepare(scene.clone()))?;
     for roll in [0.0, 0.4, 0.785] {
         let attitude = Attitude {
             yaw: 0.3,
@@ -90,13 +98,39 @@ fn among_houses_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>
             attitude,
             horizontal_fov: 1.0,
         };
-        let view = camera.view([640, 400]);
-        // 3.5, 3.7 and 2.7; by steepness alone 5.4 at the first one.
-        let cells = prepared.work(&view)?.cells as f64 / (640.0 * 400.0);
-        assert!(
-            cells < 4.5,
-            "{cells} cells and blocks a ray, rolled by {roll}"
-        );
+        let looks = looks(town(), camera.view([640, 400]))?;
+        // 2.9, 3.7 and 2.7; by steepness alone 5.4 at the first one.
+        assert!(looks < 4.5, "{looks} looks a ray, rolled by {roll}");
     }
+    Ok(())
+}
+
+/// A spike that stands beside a ray is not inside its strip.
+#[test]
+fn among_spikes_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>> {
+    let spike = |col: u32, row: u32| {
+        let is_one = (col * 7919 + row * 104_729) % 101 == 0;
+        if is_one { 30.0 } else { 0.0 }
+    };
+    let ground = Ground::from_fn(257, 257, DVec2::ONE, spike)?;
+    let camera = Camera {
+        eye: DVec3::new(120.0, 20.0, 33.0),
+        attitude: Attitude {
+            pitch: -0.14,
+            ..Attitude::default()
+        },
+        horizontal_fov: 1.0,
+    };
+    let looks = looks(ground, camera.view([960, 540]))?;
+    // 9.4; 19.2 where rays look at the line beside them up to the end of their cell.
+    assert!(looks < 13.0, "{looks} looks a ray");
+    Ok(())
+}
+
+#[test]
+fn far_away_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>> {
+    let looks = looks(gorges(), from_afar())?;
+    // 14.6; 52.8 where strips end as soon as they are wider than a cell.
+    assert!(looks < 25.0, "{looks} looks a ray");
     Ok(())
 }
