@@ -125,9 +125,9 @@ pub(super) fn approach<L: Lanes, const STRIPS: bool>(
 }
 
 /// Beside which rays of `mask`, from one t to another, the roof of the block before their own along the minor axis
-/// is higher than they are, where their strips reach out over it: those may be
-/// wider than a cell. `cell` is in their own block, of which `minor_last` is the last one along that axis, and
-/// `along` is how far they are behind its middle along the major one, at the first t.
+/// is higher than they are, where their strips are wider than a cell and reach out over it. `major` is a cell of their
+/// own block along the major axis, `minor_last` the last one along the minor axis, and `along` is how far they are
+/// behind its middle along the major axis, at the first t.
 #[inline(always)]
 #[allow(
     clippy::too_many_arguments,
