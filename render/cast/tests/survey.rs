@@ -109,7 +109,7 @@ fn among_houses_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>
 #[test]
 fn among_spikes_rays_begin_from_those_around_them() -> Result<(), Box<dyn Error>> {
     let spike = |col: u32, row: u32| {
-        let is_one = (col * 7919 + row * 104_729) % 101 == 0;
+        let is_one = (col * 7919 + row * 104_729).is_multiple_of(101);
         if is_one { 30.0 } else { 0.0 }
     };
     let ground = Ground::from_fn(257, 257, DVec2::ONE, spike)?;
