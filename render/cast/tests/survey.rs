@@ -74,6 +74,26 @@ fn rays_close_by_look_at_little_more_than_their_own_cell() -> Result<(), Box<dyn
     Ok(())
 }
 
+/// Straight down, where pixels are about as wide as cells, rays are known to be clear for most of their way.
+#[test]
+fn straight_down_rays_begin_close_to_where_they_end() -> Result<(), Box<dyn Error>> {
+    let ground = open(&TerrainSource::Ridges { size: 513, seed: 0 }, None)?.ground;
+    let [east, north] = ground.grid().extent().to_array();
+    let camera = Camera {
+        eye: DVec3::new(0.5 * east, 0.5 * north, f64::from(ground.range()[1]) + 0.3 * east),
+        attitude: Attitude {
+            pitch: -std::f64::consts::FRAC_PI_2,
+            roll: 0.3,
+            ..Attitude::default()
+        },
+        horizontal_fov: 1.2,
+    };
+    let looks = looks(ground, camera.view([640, 400]))?;
+    // 1.59; 1.70 where they begin where those before them ended.
+    assert!(looks < 1.65, "{looks} looks a ray");
+    Ok(())
+}
+
 /// How many cells and blocks a ray looks at on average.
 fn looks(ground: Ground, view: View) -> Result<f64, Box<dyn Error>> {
     let scene = Scene::new(ground);

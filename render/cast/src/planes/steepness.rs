@@ -4,7 +4,7 @@ mod seen;
 
 #[cfg(test)]
 pub(super) use seen::AROUND;
-pub(super) use seen::{SQUARE, SteepnessSeen};
+pub(super) use seen::{GRADIENT, SQUARE, SteepnessSeen};
 
 use rayon::prelude::*;
 use sandtable_terrain::{TILE_CELLS, TileIndex, TiledRaster};
@@ -21,6 +21,8 @@ struct Block {
     /// How steep it is at most along a row of posts, eastwards, and along a column, northwards: metres
     /// a cell.
     steepest: [f32; 2],
+    /// And in whatever direction.
+    gradient: f32,
     /// Its lowest and its highest post.
     heights: [f32; 2],
     /// How much more, at most, one side of a cell rises than the other: metres.
@@ -31,6 +33,7 @@ impl Block {
     /// Without any ground.
     const EMPTY: Self = Self {
         steepest: [0.0; 2],
+        gradient: 0.0,
         heights: [f32::INFINITY, f32::NEG_INFINITY],
         twist: 0.0,
     };
@@ -47,6 +50,7 @@ pub(super) struct Steepness {
     blocks: Vec<Block>,
     /// Anywhere, along x and along y.
     steepest: [f32; 2],
+    gradient: f32,
     twist: f32,
 }
 
@@ -62,6 +66,7 @@ impl Steepness {
             across,
             blocks: vec![Block::EMPTY; across * along],
             steepest: [0.0; 2],
+            gradient: 0.0,
             twist: 0.0,
         };
         let indices: Vec<_> = heights.tile_indices().collect();
@@ -84,6 +89,11 @@ impl Steepness {
     /// Anywhere, along x and along y.
     pub(super) fn steepest(&self) -> [f32; 2] {
         self.steepest
+    }
+
+    /// Anywhere, in whatever direction.
+    pub(super) fn gradient(&self) -> f32 {
+        self.gradient
     }
 
     /// How much more one side of a cell rises than the other, anywhere: metres.
@@ -127,6 +137,8 @@ impl Steepness {
         }
         let steepest = self.blocks.iter().map(|block| block.steepest);
         self.steepest = steepest.fold([0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let gradients = self.blocks.iter().map(|block| block.gradient);
+        self.gradient = gradients.fold(0.0, f32::max);
         let twists = self.blocks.iter().map(|block| block.twist);
         self.twist = twists.fold(0.0, f32::max);
     }
@@ -162,6 +174,7 @@ impl Block {
         let [mut east, mut up] = self.steepest;
         let [mut low, mut high] = self.heights;
         let mut twist = self.twist;
+        let mut square = self.gradient * self.gradient;
         for (&post, &next) in row.iter().zip(&row[1..]) {
             east = east.max((next - post).abs());
         }
@@ -170,10 +183,17 @@ impl Block {
             (low, high) = (low.min(post), high.max(post));
         }
         for (south, north) in row.windows(2).zip(north.windows(2)) {
-            twist = twist.max(((north[1] - north[0]) - (south[1] - south[0])).abs());
+            let [by_south, by_north] = [south[1] - south[0], north[1] - north[0]];
+            let [by_west, by_east] = [north[0] - south[0], north[1] - south[1]];
+            twist = twist.max((by_north - by_south).abs());
+            // A cell is steepest in one of its corners.
+            let along_x = (by_south * by_south).max(by_north * by_north);
+            let along_y = (by_west * by_west).max(by_east * by_east);
+            square = square.max(along_x + along_y);
         }
         *self = Self {
             steepest: [east, up],
+            gradient: square.sqrt(),
             heights: [low, high],
             twist,
         };

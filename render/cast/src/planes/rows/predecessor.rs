@@ -4,12 +4,19 @@ use super::March;
 use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use crate::lanes::{LANES, Lanes};
-use crate::planes::steepness::SQUARE;
+use crate::planes::steepness::{GRADIENT, SQUARE};
 use glam::DVec3;
 
 /// Cells along the minor axis for each one along the major axis, up to which ground that comes between a
 /// ray and the one that it begins from is seen beside both.
 const MOST_ADVANCE: f64 = 6.0;
+
+/// How steep the ground is at most, in metres a cell: along the minor axis, and in whatever direction.
+#[derive(Clone, Copy)]
+pub(in crate::planes) struct Steep {
+    pub(super) aside: f64,
+    pub(super) gradient: f64,
+}
 
 /// From which ray each of a group begins.
 #[derive(Clone, Copy)]
@@ -20,6 +27,8 @@ pub(super) struct Predecessor {
     pub(super) lanes: i32,
     /// By how many metres for each 1 of t the group's rays are higher, about.
     pub(super) rise: f64,
+    /// How much further at least they are clear than that one, times how far that is.
+    pub(super) further: f64,
 }
 
 impl<L: Lanes> March<'_, L> {
@@ -41,7 +50,7 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         slope: [f64; 2],
         [first, last]: [i32; 2],
-        steepest: f64,
+        steepest: Steep,
         most: usize,
     ) -> Option<Predecessor> {
         let ends = [
@@ -55,7 +64,7 @@ impl<L: Lanes> March<'_, L> {
         for steps in 1..=most.min(step as usize) {
             let lanes = (slope * steps as f64).round();
             let to = lanes * v - steps as f64 * u;
-            let mut rise = f64::INFINITY;
+            let (mut rise, mut room) = (f64::INFINITY, f64::INFINITY);
             // Right beside the vanishing point lines may run along steps.
             let mut sound = lanes.abs() <= FARTHEST;
             for end in ends {
@@ -63,15 +72,25 @@ impl<L: Lanes> March<'_, L> {
                 let aside = end.y * to.x - to.y * end.x;
                 // Rays that enter the ground from its side must do so no earlier.
                 let enters_later = self.bounds[1][0] <= 0.0 || aside <= 0.0;
-                sound &=
-                    higher >= 1.001 * steepest * aside.abs() && enters_later && end.x + to.x > 0.0;
+                room = room.min(higher - 1.001 * steepest.aside * aside.abs());
+                sound &= enters_later && end.x + to.x > 0.0;
                 rise = rise.min(higher / (end.x * (end.x + to.x)));
             }
-            if sound {
+            if sound && room >= 0.0 {
+                // Where that ray came to, the group's are over all ground by this room. From there on they fall, and
+                // ground rises towards them, by so much for each 1 of t at most.
+                let [a, b] = ends;
+                let run = |d: DVec3| d.x * d.x + d.y * d.y;
+                let rises = steepest.gradient * run(a).max(run(b)).sqrt();
+                let closes = rises - a.z.min(b.z).min(0.0);
+                let span = |d: DVec3| d.x * (d.x + to.x);
+                let span = span(a).max(span(b));
+                let further = 0.99 * room * a.x.min(b.x) / (span * closes).max(f64::MIN_POSITIVE);
                 return Some(Predecessor {
                     steps,
                     lanes: lanes as i32,
                     rise,
+                    further: further.clamp(0.0, 1.0),
                 });
             }
         }
@@ -106,28 +125,40 @@ impl<L: Lanes> March<'_, L> {
 
     /// Takes note of how steep the ground is at most around a step's lanes, where that changes.
     #[inline(never)]
-    pub(super) fn look_around(&self, step: u32, steepest: &mut Vec<f64>) {
+    pub(super) fn look_around(&self, step: u32, steepest: &mut Vec<Steep>) {
         let line = self.sector.image_step(step);
         let Some(seen) = &self.frame.steepness else {
             if step == 0 {
                 let lanes = self.frame.rays.size[1 - self.sector.step_axis];
                 steepest.clear();
-                steepest.resize((lanes as usize >> SQUARE) + 1, self.steepest[0]);
+                steepest.resize((lanes as usize >> SQUARE) + 1, self.steepest());
             }
             return;
         };
         let before = line.wrapping_add_signed(-self.sector.direction);
         if step == 0 || line >> SQUARE != before >> SQUARE {
-            let seen = seen.along(1 - self.sector.major, self.sector.step_axis, line);
+            let along = |axis| seen.along(axis, self.sector.step_axis, line);
+            let seen = along(1 - self.sector.major).zip(along(GRADIENT));
             let advances = self.advances_around(step);
             steepest.clear();
-            steepest.extend((0..).zip(seen).map(|(square, steepest)| {
+            steepest.extend((0..).zip(seen).map(|(square, (aside, gradient))| {
                 if advances(square << SQUARE) {
-                    f64::from(steepest)
+                    Steep {
+                        aside: f64::from(aside),
+                        gradient: f64::from(gradient),
+                    }
                 } else {
-                    self.steepest[0]
+                    self.steepest()
                 }
             }));
+        }
+    }
+
+    /// How steep the ground is at most anywhere.
+    fn steepest(&self) -> Steep {
+        Steep {
+            aside: self.steepest[0],
+            gradient: f64::from(self.frame.levels[0].steepness.gradient()),
         }
     }
 
@@ -143,12 +174,17 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         ends: [i32; 2],
         across: f32,
-    ) -> f64 {
+    ) -> Steep {
+        // Along a ray at coarser and coarser resolutions that is not known.
+        let steep = |aside: f64| Steep {
+            aside,
+            gradient: f64::INFINITY,
+        };
         let before = step.wrapping_sub(1);
         // A step may have lanes that the one before has not: there lies what is left of others.
         let [from, to] = scratch.lanes[before as usize % MEMORY];
         if from >= to {
-            return self.steepest[0];
+            return steep(self.steepest[0]);
         }
         let before = self.slot(before) + MARGIN;
         let reached = |lane: i32| scratch.reached[before + lane.clamp(from, to - 1) as usize].abs();
@@ -162,18 +198,18 @@ impl<L: Lanes> March<'_, L> {
         let covered = (nearest * width).max(1.0);
         let coarsest = self.steepest.len() - 1;
         let level = (covered.to_bits() >> 23) as usize - 127;
-        self.steepest[level.min(coarsest)]
+        steep(self.steepest[level.min(coarsest)])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
     use crate::lanes::{Isa, Portable};
     use crate::planes::PlanesScene;
     use crate::planes::steepness::AROUND;
     use crate::units::UnitCaster;
+    use crate::{Brute, CastPool, Scene};
     use glam::{DMat3, DVec2};
     use sandtable_terrain::Ground;
     use sandtable_view::{Attitude, Camera, Screen, View};
@@ -244,13 +280,17 @@ mod tests {
                     march.look_around(step, &mut steepest);
                     let [from, to] = sector.lanes(step);
                     for first in (from..to).step_by(LANES) {
-                        if steepest[first as usize >> SQUARE] >= march.steepest[0] {
+                        if steepest[first as usize >> SQUARE].aside >= march.steepest[0] {
                             // Nothing is steeper anywhere.
                             continue;
                         }
                         let last = (to - 1).min(first + LANES as i32 - 1);
                         let towards = march.towards(step);
-                        let before = march.any_before(step, towards, [first, last], 0.0);
+                        let flat = Steep {
+                            aside: 0.0,
+                            gradient: 0.0,
+                        };
+                        let before = march.any_before(step, towards, [first, last], flat);
                         let Some(before) = before else {
                             continue;
                         };
@@ -274,5 +314,81 @@ mod tests {
             }
         }
         assert!(looked > 100_000 && farthest > 4.0, "{looked}, {farthest}");
+    }
+
+    /// From where its predecessor ended a ray is clear for as long as it is said to be, and that is much of its
+    /// way where it falls steeply.
+    #[test]
+    fn rays_are_clear_beyond_where_those_before_them_ended() {
+        let height = |col: u32, row: u32| {
+            let [x, y] = [col, row].map(f64::from);
+            let cliff = if col.abs_diff(60) < 2 { 9.0 } else { 0.0 };
+            (3.0 * (0.4 * x).sin() * (0.3 * y + 0.1 * x).cos() + cliff) as f32
+        };
+        let ground = Ground::from_fn(200, 200, DVec2::new(1.0, 1.3), height);
+        let scene = Scene::new(ground.expect("a sound grid"));
+        let prepared = PlanesScene::new(Isa::best(), None, scene.clone());
+        let pool = CastPool::new(2).expect("threads");
+        let (mut looked, mut steep, mut clear, mut ways) = (0, 0, 0.0, 0.0);
+        for view in views().into_iter().step_by(4) {
+            let image = pool.picture(&Brute, &scene, view).expect("a proper view");
+            let frame = prepared.frame(&view).expect("a proper view");
+            for sector in &frame.sectors {
+                let march = March::new(Portable, &frame, sector, 0);
+                let [major, minor] = march.bounds;
+                let metres = DVec3::new([1.0, 1.3][sector.major], [1.3, 1.0][sector.major], 1.0);
+                let hit = |step: u32, lane: i32| {
+                    let [i, j] = sector.pixel(step, lane);
+                    let depth = image.depth[(j * view.size[0] + i) as usize];
+                    let d = march.directions.at(step, lane);
+                    f64::from(depth) * d.x / (d * metres).length()
+                };
+                let mut steepest = Vec::new();
+                for step in 0..sector.steps {
+                    march.look_around(step, &mut steepest);
+                    let [from, to] = sector.lanes(step);
+                    for first in (from..to).step_by(LANES) {
+                        let last = (to - 1).min(first + LANES as i32 - 1);
+                        let steepest = steepest[first as usize >> SQUARE];
+                        let towards = march.towards(step);
+                        let Some(before) = march.any_before(step, towards, [first, last], steepest)
+                        else {
+                            continue;
+                        };
+                        let before_step = step - before.steps as u32;
+                        let before_lanes = sector.lanes(before_step);
+                        for lane in first..=last {
+                            let lane_before = lane + before.lanes;
+                            if !(before_lanes[0]..before_lanes[1]).contains(&lane_before) {
+                                continue;
+                            }
+                            let d = march.directions.at(step, lane);
+                            let (t, end) = (hit(before_step, lane_before), hit(step, lane));
+                            let aside = t * d.y / d.x;
+                            // It may have met the ground's side.
+                            let entered =
+                                |at: f64, [begin, _]: [f32; 2]| at > 1.00001 * f64::from(begin);
+                            let is_over = entered(t, major) && entered(aside, minor);
+                            if t.is_infinite() || !is_over {
+                                continue;
+                            }
+                            let further = before.further * t;
+                            assert!(
+                                t + further <= end + 1e-3,
+                                "{t} + {further}, {end}: {view:?}"
+                            );
+                            looked += 1;
+                            if d.z < -4.0 * d.x && end.is_finite() {
+                                steep += 1;
+                                clear += further;
+                                ways += end - t;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(looked > 100_000 && steep > 10_000, "{looked}, {steep}");
+        assert!(clear > 0.3 * ways, "{clear} of {ways}");
     }
 }

@@ -1,6 +1,7 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
 use super::carry::Left;
+use super::predecessor::Steep;
 use super::sky::SkyLanes;
 use super::strips::StripsKept;
 use crate::canvas::Canvas;
@@ -32,7 +33,7 @@ pub(in crate::planes) struct Scratch {
     pub(super) strips: StripsKept,
     /// How steep the ground is at most around a step's lanes: a number for each 2 ^ [`SQUARE`] of them, which
     /// holds for those of the next two squares, too.
-    pub(super) steepest: Vec<f64>,
+    pub(super) steepest: Vec<Steep>,
     /// The rays of these steps, for their colours.
     pub(super) advance: Vec<f32>,
     pub(super) slope: Vec<f32>,
@@ -83,15 +84,15 @@ impl Scratch {
 
     /// How steep the ground is at most around a lane and the [`BLOCK`] behind it.
     #[inline(always)]
-    pub(super) fn steepest_around(&self, lane: i32) -> f64 {
+    pub(super) fn steepest_around(&self, lane: i32) -> Steep {
         self.steepest[lane as usize >> SQUARE]
     }
 
     /// How steep it is around lanes from the first to the last of `ends`.
     pub(super) fn steepest_along(&self, ends: [i32; 2]) -> f64 {
         let [first, last] = ends.map(|lane| lane as usize >> SQUARE);
-        let steepest = self.steepest[first..=last].iter().copied();
-        steepest.fold(0.0, f64::max)
+        let steepest = self.steepest[first..=last].iter();
+        steepest.map(|steep| steep.aside).fold(0.0, f64::max)
     }
 
     /// Makes ready for a sector; gives the numbers a step.

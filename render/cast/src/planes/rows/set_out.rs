@@ -2,7 +2,7 @@
 
 use super::March;
 use super::directions::{Aim, Aimed};
-use super::predecessor::Predecessor;
+use super::predecessor::{Predecessor, Steep};
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -14,6 +14,9 @@ use crate::tally::Tally;
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
 /// closed up with others.
 const MANY: u32 = 8;
+
+/// Times the t where a ray comes over the ground: surely behind it, however that is rounded.
+const BEHIND: f32 = 1.00001;
 
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
@@ -151,8 +154,14 @@ impl<L: Lanes> March<'_, L> {
                         let before_at =
                             (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
                         let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                        let start = l.max(start, stay.enter);
-                        let over = l.mul(start, l.splat(before.rise as f32));
+                        // From there on they are clear for a while, if they are over the ground there and came
+                        // over it before: that one may have met the ground's side where it did so.
+                        let further = before.further as f32;
+                        let entered = l.lt(l.mul(stay.enter, l.splat(BEHIND)), start);
+                        let clear = l.mul(start, l.splat(1.0 + further));
+                        let start = l.select(entered, clear, l.max(start, stay.enter));
+                        let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
+                        let over = l.mul(start, l.add(l.splat(before.rise as f32), falls));
                         Some(Begin { known, start, over })
                     }
                     None => None,
@@ -194,7 +203,7 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         towards: [f64; 2],
         ends: [i32; 2],
-        steepest: f64,
+        steepest: Steep,
     ) -> Option<Predecessor> {
         self.predecessor(step, towards, ends, steepest, MOST)
     }
@@ -206,7 +215,7 @@ impl<L: Lanes> March<'_, L> {
         step: u32,
         towards: [f64; 2],
         ends: [i32; 2],
-        steepest: f64,
+        steepest: Steep,
     ) -> Option<Predecessor> {
         self.predecessor(step, towards, ends, steepest, MEMORY - 1)
     }

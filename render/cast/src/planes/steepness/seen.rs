@@ -10,6 +10,9 @@ pub(in crate::planes) const SQUARE: u32 = 5;
 /// Of the steepest ground, how steep any is taken to be.
 const LEAST: f32 = 0.3;
 
+/// For how steep the ground is in whatever direction, not along an axis.
+pub(in crate::planes) const GRADIENT: usize = 2;
+
 /// How many pixels aside of a block's picture it counts, along both axes: further than any ray begins from
 /// a ray of an earlier step.
 pub(in crate::planes) const AROUND: f64 = 24.0;
@@ -20,9 +23,10 @@ pub(in crate::planes) const AROUND: f64 = 24.0;
 pub(in crate::planes) struct SteepnessSeen {
     /// Squares from left to right.
     across: usize,
-    /// Along the ground's axes x and y, metres a cell: what three neighbouring squares have at most, of
-    /// which the first is meant, in a column and in a row of squares. Row by row from the top.
-    squares: [[Vec<f32>; 2]; 2],
+    /// Along the ground's axes x and y, and in whatever direction, metres a cell: what three neighbouring
+    /// squares have at most, of which the first is meant, in a column and in a row of squares. Row by row from
+    /// the top.
+    squares: [[Vec<f32>; 2]; 3],
 }
 
 impl SteepnessSeen {
@@ -38,12 +42,15 @@ impl SteepnessSeen {
             .size
             .map(|pixels| pixels.div_ceil(1 << SQUARE) as usize);
         // What is less steep than this is not worth its projection.
-        let least = steepness.steepest().map(|steepest| LEAST * steepest);
+        let [x, y] = steepness.steepest();
+        let least = [x, y, steepness.gradient()].map(|steepest| LEAST * steepest);
         let mut squares = least.map(|least| vec![least; across * along]);
         let side = f64::from(steepness.side);
         let image = Projection::new(rays);
         for (number, block) in steepness.blocks.iter().enumerate() {
-            if block.steepest[0] <= least[0] && block.steepest[1] <= least[1] {
+            let [x, y] = block.steepest;
+            let steepest = [x, y, block.gradient];
+            if (0..3).all(|k| steepest[k] <= least[k]) {
                 continue;
             }
             let [low, high] = block.heights;
@@ -55,7 +62,7 @@ impl SteepnessSeen {
             let size = DVec3::new(side, side, f64::from(high - low + 2.0 * rounding));
             if let Some([[left, right], [top, bottom]]) = image.of_box(first - eye, size) {
                 for row in top..=bottom {
-                    for (squares, steep) in squares.iter_mut().zip(block.steepest) {
+                    for (squares, steep) in squares.iter_mut().zip(steepest) {
                         for square in &mut squares[row * across + left..=row * across + right] {
                             *square = square.max(steep);
                         }
@@ -78,7 +85,7 @@ impl SteepnessSeen {
         }
     }
 
-    /// Along the ground's axis `axis`, around the pixels of the image's column (if `image_axis` is 0) or row
+    /// Along the ground's axis `axis`, or in whatever direction (if that is [`GRADIENT`]), around the pixels of the image's column (if `image_axis` is 0) or row
     /// (if it is 1) `line`: a number for each square of them, which holds for those of the next two, too.
     pub(in crate::planes) fn along(
         &self,
