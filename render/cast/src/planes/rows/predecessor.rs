@@ -31,6 +31,26 @@ pub(super) struct Predecessor {
     pub(super) further: f64,
 }
 
+/// Where rays fall by no more than this part of what ground rises towards them, they begin hardly further on.
+const GENTLE: f64 = 0.1;
+
+/// How much further at least neighbours are clear than those before them, whose directions differ from theirs by
+/// `to`, times how far these came: where that is, they are over all ground by as much as `room` tells. From there
+/// on they fall, and ground rises towards them.
+#[inline(always)]
+fn further(steepest: Steep, [a, b]: [DVec3; 2], to: DVec3, room: f64) -> f64 {
+    let falls = -a.z.min(b.z);
+    if falls <= GENTLE * steepest.gradient * a.x.max(b.x) {
+        return 0.0;
+    }
+    let run = |d: DVec3| d.x * d.x + d.y * d.y;
+    let closes = falls + steepest.gradient * run(a).max(run(b)).sqrt();
+    let span = |d: DVec3| d.x * (d.x + to.x);
+    let span = span(a).max(span(b));
+    let further = 0.99 * room * a.x.min(b.x) / (span * closes).max(f64::MIN_POSITIVE);
+    further.clamp(0.0, 1.0)
+}
+
 impl<L: Lanes> March<'_, L> {
     /// Towards the vanishing point: lanes aside for each step back, as an affine function of the
     /// lane.
@@ -77,20 +97,11 @@ impl<L: Lanes> March<'_, L> {
                 rise = rise.min(higher / (end.x * (end.x + to.x)));
             }
             if sound && room >= 0.0 {
-                // Where that ray came to, the group's are over all ground by this room. From there on they fall, and
-                // ground rises towards them, by so much for each 1 of t at most.
-                let [a, b] = ends;
-                let run = |d: DVec3| d.x * d.x + d.y * d.y;
-                let rises = steepest.gradient * run(a).max(run(b)).sqrt();
-                let closes = rises - a.z.min(b.z).min(0.0);
-                let span = |d: DVec3| d.x * (d.x + to.x);
-                let span = span(a).max(span(b));
-                let further = 0.99 * room * a.x.min(b.x) / (span * closes).max(f64::MIN_POSITIVE);
                 return Some(Predecessor {
                     steps,
                     lanes: lanes as i32,
                     rise,
-                    further: further.clamp(0.0, 1.0),
+                    further: further(steepest, ends, to, room),
                 });
             }
         }

@@ -16,7 +16,7 @@ use crate::tally::Tally;
 const MANY: u32 = 8;
 
 /// Times the t where a ray comes over the ground: surely behind it, however that is rounded.
-const BEHIND: f32 = 1.00001;
+pub(super) const BEHIND: f32 = 1.00001;
 
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
