@@ -3,6 +3,7 @@
 use crate::exit::usage;
 use anyhow::Result;
 use sandtable_config::Rig;
+use std::collections::BTreeMap;
 use std::path::Path;
 use time::Date;
 
@@ -27,7 +28,24 @@ pub(crate) fn open(name: &str, ports: &[String]) -> Result<Rig> {
         })?;
         rig.set_port(device, Path::new(path)).map_err(usage)?;
     }
+    // Asked once all are known, as two may change places.
+    if let Some(([one, other], port)) = on_one_port(&rig) {
+        return Err(usage(format!(
+            "`{one}` and `{other}` are both on {port}, and a serial line has one device: \
+             give one of them its own port, like --device {other}=/dev/ttyUSB1"
+        )));
+    }
     Ok(rig)
+}
+
+/// Two devices that are on one serial port, and that port.
+fn on_one_port(rig: &Rig) -> Option<([&str; 2], &str)> {
+    let mut ports = BTreeMap::new();
+    rig.devices.iter().find_map(|(name, device)| {
+        let port = device.port()?;
+        let other = ports.insert(port, name.as_str())?;
+        Some(([other, name.as_str()], port))
+    })
 }
 
 /// How old a rig's calibration is on the day `today`, in a line; none for a rig without devices.
@@ -61,6 +79,27 @@ pub(crate) fn calibration_age(rig: &Rig, today: Date) -> Option<String> {
 mod tests {
     use super::*;
     use time::Month;
+
+    #[test]
+    fn two_devices_are_not_put_on_one_port() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lab.toml");
+        let glove = "[devices.pinch]\nkind = \"pinch\"\nport = \"/dev/ttyS7\"\n";
+        let text = format!("{}\n{glove}", Rig::builtin_text("workbench").unwrap());
+        std::fs::write(&path, text).unwrap();
+        let opened = |ports: &[&str]| {
+            let ports: Vec<_> = ports.iter().map(|&port| port.to_owned()).collect();
+            open(path.to_str().unwrap(), &ports)
+        };
+        let error = opened(&["flock=/dev/ttyS7"]).unwrap_err().to_string();
+        assert!(
+            error.contains("`flock` and `pinch` are both on /dev/ttyS7"),
+            "{error}"
+        );
+        let rig = opened(&["flock=/dev/ttyS7", "pinch=/dev/ttyS3"]).unwrap();
+        assert_eq!(rig.devices["flock"].port(), Some("/dev/ttyS7"));
+        assert_eq!(rig.devices["pinch"].port(), Some("/dev/ttyS3"));
+    }
 
     #[test]
     fn the_age_of_a_calibration_is_told_in_days() {

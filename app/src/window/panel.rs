@@ -3,7 +3,9 @@
 use super::latency::{LatencyTable, milliseconds};
 use super::show::{Device, GuideStep, GuideWish, Readings, TableReadings, Wish};
 use crate::scene::caster_choices;
-use egui::{Color32, ComboBox, DragValue, Frame, Grid, RichText, ScrollArea, TextWrapMode, Ui};
+use egui::{
+    Color32, ComboBox, DragValue, Frame, Grid, Label, RichText, ScrollArea, TextWrapMode, Ui,
+};
 use sandtable_stage::StereoMode;
 use sandtable_view::Attitude;
 use std::time::Duration;
@@ -282,6 +284,9 @@ fn to_the_glass(ui: &mut Ui, table: &LatencyTable) {
     ui.end_row();
 }
 
+/// How many points of a device's state show at least, however narrow the window is.
+const LEAST_ROOM: f32 = 160.0;
+
 fn devices(ui: &mut Ui, devices: &[Device]) {
     if devices.is_empty() {
         ui.label("keyboard, mouse");
@@ -294,7 +299,12 @@ fn devices(ui: &mut Ui, devices: &[Device]) {
         } else {
             Color32::from_rgb(255, 170, 90)
         };
-        ui.colored_label(colour, &device.state);
+        // No wider than is left of the panel: all of it shows where it is pointed at.
+        let room = ui.clip_rect().right() - ui.cursor().left();
+        ui.scope(|ui| {
+            ui.set_max_width(room.max(LEAST_ROOM));
+            ui.add(Label::new(RichText::new(&device.state).color(colour)).truncate());
+        });
         ui.end_row();
     }
 }

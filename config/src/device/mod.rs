@@ -181,7 +181,7 @@ impl Device {
     }
 
     /// The path of the serial port that it is on, where it is on one.
-    pub(crate) fn port(&self) -> Option<&str> {
+    pub fn port(&self) -> Option<&str> {
         match self {
             Self::Flock(flock) => Some(&flock.port),
             Self::Pinch(pinch) => Some(&pinch.port),
