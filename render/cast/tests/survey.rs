@@ -80,7 +80,11 @@ fn straight_down_rays_begin_close_to_where_they_end() -> Result<(), Box<dyn Erro
     let ground = open(&TerrainSource::Ridges { size: 513, seed: 0 }, None)?.ground;
     let [east, north] = ground.grid().extent().to_array();
     let camera = Camera {
-        eye: DVec3::new(0.5 * east, 0.5 * north, f64::from(ground.range()[1]) + 0.3 * east),
+        eye: DVec3::new(
+            0.5 * east,
+            0.5 * north,
+            f64::from(ground.range()[1]) + 0.3 * east,
+        ),
         attitude: Attitude {
             pitch: -std::f64::consts::FRAC_PI_2,
             roll: 0.3,
