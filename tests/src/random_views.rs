@@ -5,6 +5,8 @@
 
 mod kind;
 mod terrains;
+#[cfg(test)]
+mod tests;
 
 pub use kind::Kind;
 

@@ -5,8 +5,19 @@
 
 mod contest;
 mod embree;
+#[allow(unreachable_pub, reason = "it is a library's")]
+#[path = "../../../tests/src/random_views/kind.rs"]
+mod kind;
 mod measured;
 mod pinned_pool;
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "a library's, and tests draw more from it"
+)]
+#[path = "../../../tests/src/random.rs"]
+mod random;
+mod random_heads;
 mod scenes;
 
 use anyhow::{Result, ensure};
@@ -23,6 +34,9 @@ struct Arguments {
     /// Timed frames of each contender in each view, for each number of threads
     #[arg(long, default_value_t = 5)]
     rounds: usize,
+    /// Of each scene, as many views by heads that are anywhere and turned in any way, besides its own
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    random_heads: u64,
     /// A caster, as `sandtable bench` takes it; may be given more than once
     #[arg(long, value_name = "NAME", default_values = MEASURED)]
     caster: Vec<String>,
@@ -50,7 +64,10 @@ fn main() -> Result<()> {
     let columns = report::Columns::new(&arguments.caster);
     columns.print_head();
     for scene in scenes::chosen() {
-        let scene = scene?;
+        let mut scene = scene?;
+        let ground = &scene.scene.ground;
+        let random: Vec<_> = random_heads::views(ground, arguments.random_heads).collect();
+        scene.views.extend(random);
         let mut contest = Contest::prepare(&scene, &arguments.caster, &pools, program.as_deref())?;
         for at in &scene.views {
             for line in contest.race(at, arguments.rounds)? {

@@ -52,8 +52,9 @@ pub(crate) fn name(geometry: Geometry) -> &'static str {
     }
 }
 
-/// Width of a column of figures.
+/// Widths of a column of figures, and of views' names.
 const WIDTH: usize = 16;
+const VIEW_WIDTH: usize = 20;
 
 /// The columns of the table of times.
 pub(crate) struct Columns {
@@ -74,7 +75,7 @@ impl Columns {
             "Medians in ms, and the share of pixels that are as brute force has them; x: Embree's best \
              over ours"
         );
-        print!("{:<12} {:<8} {:>7}", "scene", "view", "threads");
+        print!("{:<12} {:<VIEW_WIDTH$} {:>7}", "scene", "view", "threads");
         for geometry in Geometry::ALL {
             print!(" {:>WIDTH$}", name(geometry));
         }
@@ -86,7 +87,10 @@ impl Columns {
 
     /// Prints a line.
     pub(crate) fn print(&self, line: &Line) {
-        print!("{:<12} {:<8} {:>7}", line.scene, line.view, line.threads);
+        print!(
+            "{:<12} {:<VIEW_WIDTH$} {:>7}",
+            line.scene, line.view, line.threads
+        );
         for run in &line.embree {
             print!(" {:>WIDTH$}", run_in_words(run));
         }

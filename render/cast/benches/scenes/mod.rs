@@ -2,11 +2,13 @@
 //!
 //! `tN` is the fractal terrain of N by N posts a metre apart, and `tNxK` its photograph over means of
 //! K by K of them; `cityN` is a town of as many posts, and `cityNxK` the same with K by
-//! K pixels of its photograph to a post; the others are real. The environment chooses: `SANDTABLE_BENCH_SCENES` names scenes
+//! K pixels of its photograph to a post; `spikesN`, `gorgesN`, `woodN` and `boxesN` have cliffs all over; the
+//! others are real. The environment chooses: `SANDTABLE_BENCH_SCENES` names scenes
 //! (`t512,pyrenees`), `SANDTABLE_BENCH_LARGE=1` adds t16384, and `SANDTABLE_PEERS` is a folder that has
 //! the fractal terrains as raw files.
 
 mod city;
+mod cliffs;
 mod fractal;
 mod noise;
 mod photo;
@@ -16,6 +18,7 @@ mod thinned;
 pub(crate) mod views;
 
 use anyhow::{Result, bail};
+use cliffs::Cliffs;
 use sandtable_cast::Scene;
 use sandtable_cast::standpoints::Standpoint;
 use sandtable_terrain::Ground;
@@ -89,9 +92,16 @@ pub(crate) fn scene(name: &str, peers: Option<&Path>) -> Result<Option<BenchScen
         let views = views::all(&ground);
         return Ok(Some(BenchScene::new(name, ground, views)));
     }
+    for (kind, cliffs) in Cliffs::ALL {
+        if let Some((side, 1)) = sizes(name, kind) {
+            let ground = cliffs.ground(side)?;
+            let views = views::all(&ground);
+            return Ok(Some(BenchScene::new(name, ground, views)));
+        }
+    }
     let Some(file) = real::file(name) else {
         bail!(
-            "no scene is called {name:?}: there are tN, tNxK, cityN, cityNxK, {}",
+            "no scene is called {name:?}: there are tN, tNxK, cityN, cityNxK, spikesN, gorgesN, woodN, boxesN, {}",
             real::NAMES.join(", ")
         );
     };
