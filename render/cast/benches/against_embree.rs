@@ -36,7 +36,7 @@ struct Arguments {
     rounds: usize,
     /// Of each scene, as many views by heads that are anywhere and turned in any way, besides its own
     #[arg(long, default_value_t = 0, value_name = "N")]
-    random_heads: u64,
+    random_heads: usize,
     /// A caster, as `sandtable bench` takes it; may be given more than once
     #[arg(long, value_name = "NAME", default_values = MEASURED)]
     caster: Vec<String>,

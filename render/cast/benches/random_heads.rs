@@ -2,6 +2,7 @@
 
 use crate::kind::Kind;
 use crate::random::Random;
+use glam::DVec3;
 use sandtable_cast::standpoints::Standpoint;
 use sandtable_terrain::Ground;
 
@@ -15,11 +16,20 @@ const SIDES: [Kind; 4] = [
     Kind::Buried,
 ];
 
-/// As many views of `ground`, of all kinds but those that see its sides; the same for the same ground.
-pub(crate) fn views(ground: &Ground, count: u64) -> impl Iterator<Item = Standpoint> {
+/// As many views of `ground`, of all kinds but those that see its sides, by eyes in the air; the same for the same
+/// ground. They are named by their seeds and kinds.
+pub(crate) fn views(ground: &Ground, count: usize) -> impl Iterator<Item = Standpoint> {
     let kinds = Kind::ALL.into_iter().filter(|kind| !SIDES.contains(kind));
-    kinds.cycle().zip(0..count).map(|(kind, seed)| Standpoint {
+    let views = kinds.cycle().zip(0..).map(|(kind, seed)| Standpoint {
         name: format!("{seed} {kind}"),
         view: kind.view(ground, &mut Random::new(seed), SIZE),
-    })
+    });
+    views
+        .filter(|at| is_in_the_air(ground, at.view.eye))
+        .take(count)
+}
+
+fn is_in_the_air(ground: &Ground, eye: DVec3) -> bool {
+    let height = ground.height_at(eye.x, eye.y);
+    height.is_none_or(|height| height < eye.z)
 }
