@@ -217,6 +217,8 @@ mod tests {
         let steepness = Steepness::new(before.heights()).updated(after.heights(), &changed);
         assert_eq!(steepness.blocks, Steepness::new(after.heights()).blocks);
         assert!(steepness.steepest()[0] > Steepness::new(before.heights()).steepest()[0]);
-        assert_eq!(steepness.twist(), Steepness::new(after.heights()).twist());
+        let anew = Steepness::new(after.heights());
+        assert_eq!(steepness.gradient(), anew.gradient());
+        assert_eq!(steepness.twist(), anew.twist());
     }
 }

@@ -5,7 +5,7 @@ use super::March;
 use super::directions::Aim;
 use super::predecessor::Predecessor;
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
-use super::set_out::{BEHIND, same_lanes};
+use super::set_out::{further_on, same_lanes};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::patches::Path;
@@ -153,7 +153,7 @@ impl<L: Lanes> March<'_, L> {
         let [major_begin, minor_begin] = self.bounds.map(|[begin, _]| begin.max(0.0));
         let is_outside = major_begin > 0.0 || minor_begin > 0.0;
         let direction = self.directions.at(step, first);
-        let further = l.splat(1.0 + before.further as f32);
+        let further = before.further as f32;
         let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
         for (k, lane) in groups {
             let [major, minor, up] = aim.further(l, direction, k);
@@ -161,15 +161,14 @@ impl<L: Lanes> March<'_, L> {
             let (advance, slope) = (l.mul(minor, scale), l.mul(up, scale));
             l.store(advance, group_mut(advances, k));
             l.store(slope, group_mut(slopes, k));
-            let reached_before = l.abs(l.load(group(starts, k)));
-            let mut start = l.mul(reached_before, further);
-            if is_outside {
+            let start = l.abs(l.load(group(starts, k)));
+            let start = if is_outside {
                 let enter = l.div(l.mul(l.splat(minor_begin), major), minor);
                 // In this order: a ray along the major axis has no number there.
-                let enter = l.max(enter, l.splat(major_begin));
-                let entered = l.lt(l.mul(enter, l.splat(BEHIND)), reached_before);
-                start = l.select(entered, start, l.max(reached_before, enter));
-            }
+                further_on(l, start, further, l.max(enter, l.splat(major_begin)))
+            } else {
+                l.mul(start, l.splat(1.0 + further))
+            };
             let patch = patches.load(l, k);
             let path = Path::new(l, field, [advance, slope], start, &patch);
             let known = if all_known {

@@ -16,7 +16,7 @@ use crate::tally::Tally;
 const MANY: u32 = 8;
 
 /// Times the t where a ray comes over the ground: surely behind it, however that is rounded.
-pub(super) const BEHIND: f32 = 1.00001;
+const BEHIND: f32 = 1.00001;
 
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
@@ -27,6 +27,18 @@ pub(super) fn same_lanes(lanes: [i32; 2], first: i32) -> u16 {
     let from = (lanes[0] - first).clamp(0, LANES as i32);
     let to = (lanes[1] - first).clamp(from, LANES as i32);
     first_lanes(to) & !first_lanes(from)
+}
+
+/// Up to where rays are clear that come over the ground at `enter`, if those before them came as far as `reached`
+/// and they are clear for `further` times that beyond it.
+///
+/// That holds for those that came over the ground before: else the ray before may have met the ground's side, and
+/// knows of no ground below it.
+#[inline(always)]
+pub(super) fn further_on<L: Lanes>(l: L, reached: L::F, further: f32, enter: L::F) -> L::F {
+    let entered = l.lt(l.mul(enter, l.splat(BEHIND)), reached);
+    let clear = l.mul(reached, l.splat(1.0 + further));
+    l.select(entered, clear, l.max(reached, enter))
 }
 
 /// Where sixteen rays are over the ground.
@@ -154,12 +166,8 @@ impl<L: Lanes> March<'_, L> {
                         let before_at =
                             (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
                         let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                        // From there on they are clear for a while, if they are over the ground there and came
-                        // over it before: that one may have met the ground's side where it did so.
                         let further = before.further as f32;
-                        let entered = l.lt(l.mul(stay.enter, l.splat(BEHIND)), start);
-                        let clear = l.mul(start, l.splat(1.0 + further));
-                        let start = l.select(entered, clear, l.max(start, stay.enter));
+                        let start = further_on(l, start, further, stay.enter);
                         let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
                         let over = l.mul(start, l.add(l.splat(before.rise as f32), falls));
                         Some(Begin { known, start, over })

@@ -85,8 +85,9 @@ impl SteepnessSeen {
         }
     }
 
-    /// Along the ground's axis `axis`, or in whatever direction (if that is [`GRADIENT`]), around the pixels of the image's column (if `image_axis` is 0) or row
-    /// (if it is 1) `line`: a number for each square of them, which holds for those of the next two, too.
+    /// Along the ground's axis `axis`, or in whatever direction (if that is [`GRADIENT`]), around the pixels of the
+    /// image's column (if `image_axis` is 0) or row (if it is 1) `line`: a number for each square of them, which
+    /// holds for those of the next two, too.
     pub(in crate::planes) fn along(
         &self,
         axis: usize,
@@ -240,10 +241,12 @@ mod tests {
             let mut looked = 0;
             for (col, row) in (0..269).flat_map(|row| (0..299).map(move |col| (col, row))) {
                 let [sw, se, nw, ne] = heights.cell(col, row);
-                let steep = [
+                let [x, y] = [
                     (se - sw).abs().max((ne - nw).abs()),
                     (nw - sw).abs().max((ne - se).abs()),
                 ];
+                // All digits but the last two.
+                let steep = [x, y, 0.999_999 * x.hypot(y)];
                 for height in [sw, ne, 0.5 * (nw + se)] {
                     let place = DVec3::new(
                         f64::from(col) + 0.5,
