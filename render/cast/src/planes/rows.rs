@@ -3,6 +3,7 @@
 mod carry;
 mod directions;
 mod fans;
+mod look_back;
 mod predecessor;
 mod recolour;
 mod scratch;
@@ -17,6 +18,7 @@ pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
 
 use self::carry::{Carrying, Share};
+use self::look_back::Before;
 use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;
 use super::coarser::Coarser;
@@ -93,6 +95,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let mut shaded = 0;
     let mut carrying = Carrying::default();
     let mut lanes_ahead = [[0; 2]; AHEAD];
+    let mut before = Before::new();
     for step in 0..sector.steps {
         if step > 0 && frame.coarsens && march.is_far(step - 1, scratch) {
             march.go_on(scratch, 0, tally);
@@ -124,6 +127,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             carrying = Carrying::default();
         }
         let carries = can_carry && !keeps_strips && carrying.begin(&march, step, scratch);
+        // Patches are the predecessors' where these are of the step before.
+        let most_back = if carries { 1 } else { 3 };
         scratch.patches.set_step(step);
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
@@ -144,10 +149,19 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                     continue;
                 }
             }
+            if !keeps_strips {
+                l.vectorize(
+                    #[inline(always)]
+                    || {
+                        let across = march.across(step);
+                        march.look_back(step, led, most_back, across, scratch, &mut before);
+                    },
+                );
+            }
             if carries {
                 l.vectorize(
                     #[inline(always)]
-                    || march.carry(step, led, canvas, scratch, tally),
+                    || march.carry(step, led, &before, canvas, scratch, tally),
                 );
                 l.vectorize(
                     #[inline(always)]
@@ -160,7 +174,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             } else {
                 l.vectorize(
                     #[inline(always)]
-                    || march.set_out(step, led, canvas, scratch, tally),
+                    || march.set_out(step, led, &before, canvas, scratch, tally),
                 );
                 march.depart((led[1] - led[0]) as usize, scratch, tally);
             }

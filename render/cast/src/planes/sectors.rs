@@ -8,7 +8,7 @@ use glam::DVec3;
 use sandtable_view::View;
 
 /// A float to which those below 2^31 are added to be rounded to whole numbers.
-const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+pub(super) const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 
 /// Steps of which it is found at once which pixels they have.
 pub(super) const AHEAD: usize = 8;

@@ -3,6 +3,7 @@
 
 use super::March;
 use super::directions::Aim;
+use super::look_back::Before;
 use super::predecessor::Predecessor;
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
 use super::set_out::{further_on, same_lanes};
@@ -61,13 +62,13 @@ impl<L: Lanes> March<'_, L> {
         &self,
         step: u32,
         lanes: [i32; 2],
+        from: &Before,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
         tally: &mut T,
     ) {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
-        let towards = self.towards(step);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
         tally.rays(step, lanes[0], lanes[1] - lanes[0]);
         for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
@@ -75,31 +76,17 @@ impl<L: Lanes> March<'_, L> {
             for lane in (first..behind).step_by(LANES) {
                 asked.prefetch(l, canvas, lane);
             }
-            let all = [first, behind];
-            if let Some(before) = self.nearest::<1>(
-                step,
-                towards,
-                [first, behind - 1],
-                scratch.steepest_around(first),
-            ) {
-                let in_chunk = (first - lanes[0]) as usize;
+            let in_chunk = (first - lanes[0]) as usize;
+            if let Some(before) = from.block(in_chunk) {
+                let all = [first, behind];
                 self.carry_block(&aim, step, all, Some(before), in_chunk, scratch, tally);
                 continue;
             }
             for first in (first..behind).step_by(LANES) {
-                let behind = behind.min(first + LANES as i32);
-                let steepest = scratch.steepest_around(first);
-                let before = self.any_before(step, towards, [first, behind - 1], steepest);
+                let group = [first, behind.min(first + LANES as i32)];
                 let in_chunk = (first - lanes[0]) as usize;
-                self.carry_block(
-                    &aim,
-                    step,
-                    [first, behind],
-                    before,
-                    in_chunk,
-                    scratch,
-                    tally,
-                );
+                let before = from.group(in_chunk);
+                self.carry_block(&aim, step, group, before, in_chunk, scratch, tally);
             }
         }
     }
@@ -141,7 +128,7 @@ impl<L: Lanes> March<'_, L> {
             }
             return;
         };
-        let before_step = step - before.steps as u32;
+        let before_step = step - before.steps.get();
         let before_lanes =
             scratch.lanes[before_step as usize % MEMORY].map(|lane| lane - before.lanes);
         let before_at = ((self.slot(before_step) + MARGIN) as i32 + first + before.lanes) as usize;
@@ -153,7 +140,7 @@ impl<L: Lanes> March<'_, L> {
         let [major_begin, minor_begin] = self.bounds.map(|[begin, _]| begin.max(0.0));
         let is_outside = major_begin > 0.0 || minor_begin > 0.0;
         let direction = self.directions.at(step, first);
-        let further = before.further as f32;
+        let further = before.further;
         let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
         for (k, lane) in groups {
             let [major, minor, up] = aim.further(l, direction, k);

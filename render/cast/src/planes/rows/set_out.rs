@@ -2,8 +2,8 @@
 
 use super::March;
 use super::directions::{Aim, Aimed};
-use super::predecessor::{Predecessor, Steep};
-use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
+use super::look_back::Before;
+use super::scratch::{MARGIN, MEMORY, Scratch};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
@@ -74,27 +74,19 @@ impl<L: Lanes> March<'_, L> {
         &self,
         step: u32,
         lanes: [i32; 2],
+        from: &Before,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
         tally: &mut T,
     ) {
         let l = self.l;
         let one = l.splat(1.0);
-        let v = self.directions.lane;
-        let aim = Aim::new(l, self.frame, v);
-        let towards = self.towards(step);
-        // Along a step a ray's minor part changes, over its major one's square, by this much.
-        let detail = self.frame.detail.as_ref();
-        let across = detail.filter(|_| self.frame.coarsens).map(|detail| {
-            let d = self.directions.at(step, 0);
-            let across = f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs();
-            (self.oblong.min(1.0) * across) as f32
-        });
+        let aim = Aim::new(l, self.frame, self.directions.lane);
+        let across = self.across(step);
         let oblong = l.splat(self.oblong as f32);
         let slot = self.slot(step);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
         let keeps_strips = scratch.strips.are_kept();
-        let mut shared = None;
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);
@@ -130,46 +122,25 @@ impl<L: Lanes> March<'_, L> {
                 let turned = l.sqrt(l.add(one, l.mul(turned, turned)));
                 width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
             }
-            if in_chunk.is_multiple_of(BLOCK) && !keeps_strips {
-                let ends = [first, lanes[1].min(first + BLOCK as i32) - 1];
-                let steepest = match across {
-                    Some(across) => self.steepest_near(scratch, step, ends, across),
-                    None => scratch.steepest_around(first),
-                };
-                shared = self.nearest::<3>(step, towards, ends, steepest);
-            }
-            let ends = [first, first + count - 1];
             // Which rays know from an earlier step up to where they are clear, and about how high they are over the
             // ground there.
             let begin = if keeps_strips {
-                self.begin_by_strips(step, towards, ends, &ray, &stay, scratch)
+                let ends = [first, first + count - 1];
+                self.begin_by_strips(step, self.towards(step), ends, &ray, &stay, scratch)
             } else {
-                let before = shared.or_else(
-                    #[inline(always)]
-                    || match across {
-                        Some(across) => {
-                            let steepest = self.steepest_near(scratch, step, ends, across);
-                            self.predecessor(step, towards, ends, steepest, MEMORY - 1)
-                        }
-                        None => {
-                            let steepest = scratch.steepest_around(first);
-                            self.any_before(step, towards, ends, steepest)
-                        }
-                    },
-                );
-                match before {
+                match from.block(in_chunk).or(from.group(in_chunk)) {
                     Some(before) => {
-                        let before_step = step - before.steps as u32;
+                        let before_step = step - before.steps.get();
                         let before_lanes = scratch.lanes[before_step as usize % MEMORY];
                         // Those whose predecessors are the sector's.
                         let known = l.mask(same_lanes(before_lanes, first + before.lanes));
                         let before_at =
                             (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
                         let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                        let further = before.further as f32;
+                        let further = before.further;
                         let start = further_on(l, start, further, stay.enter);
                         let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
-                        let over = l.mul(start, l.add(l.splat(before.rise as f32), falls));
+                        let over = l.mul(start, l.add(l.splat(before.rise), falls));
                         Some(Begin { known, start, over })
                     }
                     None => None,
@@ -203,29 +174,16 @@ impl<L: Lanes> March<'_, L> {
         l.add_i(lane_numbers, l.splat_i(at as i32))
     }
 
-    /// The nearest ray, no more than `MOST` steps back, from which all from the first to the last of `ends`
-    /// may begin.
+    /// Where detail is chosen, by how much the minor part of a step's rays changes from one to the next, over their
+    /// major part's square.
     #[inline(always)]
-    pub(super) fn nearest<const MOST: usize>(
-        &self,
-        step: u32,
-        towards: [f64; 2],
-        ends: [i32; 2],
-        steepest: Steep,
-    ) -> Option<Predecessor> {
-        self.predecessor(step, towards, ends, steepest, MOST)
-    }
-
-    /// As `nearest`, of any step that is kept.
-    #[inline(always)]
-    pub(super) fn any_before(
-        &self,
-        step: u32,
-        towards: [f64; 2],
-        ends: [i32; 2],
-        steepest: Steep,
-    ) -> Option<Predecessor> {
-        self.predecessor(step, towards, ends, steepest, MEMORY - 1)
+    pub(super) fn across(&self, step: u32) -> Option<f32> {
+        let detail = self.frame.detail.as_ref();
+        detail.filter(|_| self.frame.coarsens).map(|detail| {
+            let (d, v) = (self.directions.at(step, 0), self.directions.lane);
+            let across = f64::from(detail.cell) * (v.y * d.x - v.x * d.y).abs();
+            (self.oblong.min(1.0) * across) as f32
+        })
     }
 
     /// Where rays of `all` are over the ground.

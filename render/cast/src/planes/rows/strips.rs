@@ -6,6 +6,7 @@
 
 use super::March;
 use super::directions::Directions;
+use super::predecessor::Runs;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use super::set_out::{Begin, Stay, VERY_HIGH, same_lanes};
 use crate::lanes::{LANES, Lanes, group};
@@ -18,7 +19,7 @@ const MOST: f64 = 3.0;
 /// Every how many steps, beside the second one, it is looked at whether strips are of use, and at how many groups of
 /// rays.
 const LOOK: u32 = 8;
-const LOOKS: i32 = 16;
+const LOOKS: usize = 16;
 
 /// Of fewer lanes it is not looked at.
 const LEAST: i32 = 4 * LANES as i32;
@@ -30,9 +31,8 @@ const SHORT: f32 = 3.0;
 /// and at two blocks takes twice as long as at one.
 const LITTLE: f32 = 0.33;
 
-/// From how many of these groups on rays keep their strips, and up to how many they cease to.
-const MANY: i32 = 2;
-const FEW: i32 = 0;
+/// From how many of these groups on rays keep their strips; they cease to where there is none.
+const MANY: usize = 2;
 
 /// The rays of an earlier step between which those of a group lie, and whose strips have these rays' own strips in
 /// them.
@@ -81,7 +81,7 @@ impl<L: Lanes> March<'_, L> {
                 kept.from = Some(step);
                 kept.are_wide = false;
                 scratch.keeps_patches = false;
-            } else if of_use <= FEW {
+            } else if of_use == 0 {
                 kept.from = None;
             }
             if kept.from.is_some() && !kept.are_wide && far >= MANY {
@@ -102,7 +102,7 @@ impl<L: Lanes> March<'_, L> {
     /// be spared at least half of their way to where those of the step before came. And of so many of these if
     /// they are wide.
     #[inline(never)]
-    fn strips_of_use(&self, step: u32, scratch: &Scratch) -> [i32; 2] {
+    fn strips_of_use(&self, step: u32, scratch: &Scratch) -> [usize; 2] {
         let [from, to] = scratch.lanes[step as usize % MEMORY];
         let before = scratch.lanes[(step - 1) as usize % MEMORY];
         let count = to - from;
@@ -110,12 +110,21 @@ impl<L: Lanes> March<'_, L> {
             return [0; 2];
         }
         let field = &self.fields[0];
-        let towards = self.towards(step);
+        let runs = Runs::<LOOKS>::new(|k| {
+            let first = from + (count - 1) * k as i32 / LOOKS as i32;
+            let last = to.min(first + LANES as i32) - 1;
+            ([first, last], scratch.steepest_around(first))
+        });
+        let found = self.l.vectorize(
+            #[inline(always)]
+            || self.predecessors(step, &runs, MEMORY - 1),
+        );
+        if found.none() == 0 {
+            return [0; 2];
+        }
         let narrow = NARROW / scratch.strips.widths().by_t;
         let (mut of_use, mut far) = (0, 0);
-        for k in 0..LOOKS {
-            let first = from + (count - 1) * k / LOOKS;
-            let last = to.min(first + LANES as i32) - 1;
+        for (k, first) in runs.first.into_iter().enumerate() {
             let d = self.directions.at(step, first);
             let begin = if field.is_above() {
                 (f64::from(field.highest - field.eye_height) * d.x / d.z) as f32
@@ -127,14 +136,9 @@ impl<L: Lanes> March<'_, L> {
             let way = scratch.reached[at].abs() - begin;
             let is_far = narrow - begin < LITTLE * way;
             let limit = if is_far { WIDE * narrow } else { narrow };
-            let steepest = scratch.steepest_around(first);
-            let is_of_use = way > SHORT
-                && limit - begin > 0.5 * way
-                && self
-                    .any_before(step, towards, [first, last], steepest)
-                    .is_none();
-            of_use += i32::from(is_of_use);
-            far += i32::from(is_of_use && is_far);
+            let is_of_use = found.of(k).is_none() && way > SHORT && limit - begin > 0.5 * way;
+            of_use += usize::from(is_of_use);
+            far += usize::from(is_of_use && is_far);
         }
         [of_use, far]
     }

@@ -72,24 +72,18 @@ pub(in crate::planes) fn begins<'a>(
     let mut steepest = Vec::new();
     (0..sector.steps).flat_map(move |step| {
         let [from, to] = sector.lanes(step);
-        let towards = march.towards(step);
         march.look_around(step, &mut steepest);
         let mut steps = Vec::with_capacity((to - from) as usize);
         for first in (from..to).step_by(LANES) {
             let last = (to - 1).min(first + LANES as i32 - 1);
-            let before = march.any_before(
-                step,
-                towards,
-                [first, last],
-                steepest[first as usize >> SQUARE],
-            );
+            let before = march.any_before(step, [first, last], steepest[first as usize >> SQUARE]);
             steps.extend((first..=last).map(|lane| {
                 let Some(before) = before else {
                     return 0;
                 };
-                let lanes = sector.lanes(step - before.steps as u32);
+                let lanes = sector.lanes(step - before.steps.get());
                 let is_known = (lanes[0]..lanes[1]).contains(&(lane + before.lanes));
-                if is_known { before.steps as u32 } else { 0 }
+                if is_known { before.steps.get() } else { 0 }
             }));
         }
         steps
