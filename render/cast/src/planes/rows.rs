@@ -127,8 +127,6 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             carrying = Carrying::default();
         }
         let carries = can_carry && !keeps_strips && carrying.begin(&march, step, scratch);
-        // Patches are the predecessors' where these are of the step before.
-        let most_back = if carries { 1 } else { 3 };
         scratch.patches.set_step(step);
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
@@ -154,7 +152,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                     #[inline(always)]
                     || {
                         let across = march.across(step);
-                        march.look_back(step, led, most_back, across, scratch, &mut before);
+                        march.look_back(step, led, across, scratch, &mut before);
                     },
                 );
             }

@@ -9,6 +9,9 @@ use crate::planes::wave::CHUNK;
 /// How many runs are looked at side by side: one after the other, each would wait for its own roots and divisions.
 const SIDE_BY_SIDE: usize = 8;
 
+/// How many steps back the rays lie at most from which all of a block begin.
+const NEAR: usize = 3;
+
 /// From which rays those of a chunk begin.
 pub(super) struct Before {
     /// Those of each block of neighbours that begin from one.
@@ -64,14 +67,13 @@ impl<L: Lanes> March<'_, L> {
         )
     }
 
-    /// Finds from which rays those of a chunk of lanes begin: all of a block from one up to `most` steps back, or else
-    /// each group from one of any step that is kept. `across` as in [`March::steepest_near`].
+    /// Finds from which rays those of a chunk of lanes begin: all of a block from one if that lies near, or else each
+    /// group from one of any step that is kept. `across` as in [`March::steepest_near`].
     #[inline(always)]
     pub(super) fn look_back(
         &self,
         step: u32,
         lanes: [i32; 2],
-        most: usize,
         across: Option<f32>,
         scratch: &Scratch,
         before: &mut Before,
@@ -89,7 +91,7 @@ impl<L: Lanes> March<'_, L> {
                 #[inline(always)]
                 |k| (from + k).min(blocks - 1),
             );
-            let found = self.predecessors(step, &runs, most);
+            let found = self.predecessors(step, &runs, NEAR);
             for k in 0..SIDE_BY_SIDE.min(blocks - from) {
                 let found = found.of(k);
                 before.blocks[from + k] = found;
