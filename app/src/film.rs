@@ -3,6 +3,7 @@
 use crate::exit::usage;
 use crate::files::make_folder;
 use crate::interrupt;
+use crate::partial::behind_links;
 use crate::session::{Session, summit};
 use crate::video::{VideoError, VideoWriter};
 use anyhow::{Context, Result, bail};
@@ -108,7 +109,7 @@ impl Film {
                 .copied()
                 .unwrap_or_default()
         };
-        render_to_wav(path, frames, session.sound_settings(), at)
+        render_to_wav(&behind_links(path), frames, session.sound_settings(), at)
             .with_context(|| format!("the film {} itself is done", self.output.display()))
     }
 }

@@ -36,12 +36,13 @@ pub enum WavError {
 /// Writes stereo frames to a WAV file: 32-bit float, [`WAV_SAMPLE_RATE`].
 ///
 /// The file grows under a temporary name beside its own and takes it in [`WavWriter::finish`]; so
-/// a run that breaks off leaves an earlier file as it was.
+/// a run that breaks off leaves an earlier file as it was. A device is written as it is.
 pub struct WavWriter {
     path: PathBuf,
     // Dropped in this order: hound writes once more before the file goes.
     file: hound::WavWriter<BufWriter<File>>,
-    partial: Partial,
+    /// `None` where no file may take the place of what is there.
+    partial: Option<Partial>,
     samples: u32,
 }
 
@@ -57,10 +58,16 @@ impl WavWriter {
             bits_per_sample: 32,
             sample_format: hound::SampleFormat::Float,
         };
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(".part");
-        let partial = Partial(path.with_file_name(name));
-        let file = hound::WavWriter::create(&partial.0, spec).map_err(|e| error(path, e))?;
+        let is_special = path
+            .metadata()
+            .is_ok_and(|there| !there.is_file() && !there.is_dir());
+        let partial = (!is_special).then(|| {
+            let mut name = path.file_name().unwrap_or_default().to_owned();
+            name.push(".part");
+            Partial(path.with_file_name(name))
+        });
+        let unfinished = partial.as_ref().map_or(path, |partial| &*partial.0);
+        let file = hound::WavWriter::create(unfinished, spec).map_err(|e| error(path, e))?;
         Ok(Self {
             path: path.to_owned(),
             file,
@@ -102,7 +109,12 @@ impl WavWriter {
             ..
         } = self;
         file.finalize().map_err(|e| error(&path, e))?;
-        fs::rename(&partial.0, &path).map_err(|source| WavError::Write { path, source })
+        match partial {
+            Some(partial) => {
+                fs::rename(&partial.0, &path).map_err(|source| WavError::Write { path, source })
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -88,3 +88,14 @@ fn a_run_that_breaks_off_leaves_the_earlier_file_and_nothing_else() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "earlier");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
+
+/// A device stays one: no file takes its place.
+#[cfg(unix)]
+#[test]
+fn a_device_is_written_as_it_is() {
+    use std::os::unix::fs::FileTypeExt;
+    let null = std::path::Path::new("/dev/null");
+    render_to_wav(null, 100, Settings::default(), passing).unwrap();
+    assert!(null.metadata().unwrap().file_type().is_char_device());
+    assert!(!std::path::Path::new("/dev/null.part").exists());
+}
