@@ -47,6 +47,9 @@ pub(crate) fn render(
         )));
     }
     let track = Track::read(path, &open.georeference, &open.scene.ground, speed, height)?;
+    for note in &track.notes {
+        tracing::info!("{note}");
+    }
     let frames = (track.seconds() * f64::from(RATE)).ceil().max(1.0);
     if frames > LONGEST {
         let remedy = if track.is_timed {
@@ -116,14 +119,16 @@ struct Track {
     points: Vec<(f64, DVec3)>,
     /// Whether the seconds are the file's own.
     is_timed: bool,
+    /// What of the file is not flown as it says.
+    notes: Vec<String>,
 }
 
 impl Track {
     /// Reads the first track or route of a GPX file.
     ///
     /// Points without elevation are `height` metres above the ground; points below the ground are
-    /// raised to 2 m above it. Where not every point has a later time than the one before, the
-    /// track is flown at `speed` metres a second.
+    /// raised to 2 m above it. Where a point has no time, or an earlier one than the point before, the
+    /// track is flown at `speed` metres a second; of points at the same time the first counts.
     fn read(
         path: &Path,
         georeference: &Georeference,
@@ -132,6 +137,14 @@ impl Track {
         height: f64,
     ) -> Result<Self> {
         let gpx = file::read(path)?;
+        let count = gpx.tracks.len() + gpx.routes.len();
+        let mut notes = Vec::new();
+        if count > 1 {
+            notes.push(format!(
+                "{} holds {count} tracks and routes; the first of two points or more is flown",
+                path.display()
+            ));
+        }
         let waypoints: Vec<gpx::Waypoint> = gpx
             .tracks
             .into_iter()
@@ -183,7 +196,17 @@ impl Track {
                 Some(time.unix_timestamp_nanos() as f64 * 1e-9)
             })
             .collect();
-        let times = times.filter(|times| times.windows(2).all(|pair| pair[1] > pair[0]));
+        let has_times = waypoints.iter().any(|point| point.time.is_some());
+        let times = times.filter(|times| {
+            times.windows(2).all(|pair| pair[1] >= pair[0]) && times.last() > times.first()
+        });
+        if has_times && times.is_none() {
+            notes.push(format!(
+                "the times in {} are left out, as some points have none or an earlier one than the point \
+                 before; it is flown at {speed} m/s",
+                path.display()
+            ));
+        }
         let mut points: Vec<(f64, DVec3)> = Vec::with_capacity(places.len());
         for (index, (place, _)) in places.into_iter().enumerate() {
             let seconds = match (&times, points.last()) {
@@ -198,6 +221,7 @@ impl Track {
         Ok(Self {
             points,
             is_timed: times.is_some(),
+            notes,
         })
     }
 

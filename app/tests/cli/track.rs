@@ -54,6 +54,35 @@ fn a_track_with_times_lasts_as_long_as_it_took() {
     }
 }
 
+/// Receivers note several points a second; an earlier time than before is an error of theirs.
+#[test]
+fn points_at_the_same_time_leave_the_times_and_earlier_ones_do_not() {
+    let Some([terrain, _]) = park() else { return };
+    let folder = Folder::new();
+    folder.write("v.toml", VIEW);
+    let at = |second| format!("<ele>4400</ele><time>2026-05-01T10:00:0{second}Z</time>");
+    for (seconds, is_timed) in [([0, 0, 2], true), ([0, 2, 1], false)] {
+        let [a, b, c] = seconds.map(at);
+        let points = [
+            (40.30, -105.70, &*a),
+            (40.301, -105.70, &*b),
+            (40.302, -105.69, &*c),
+        ];
+        folder.write("hike.gpx", track(&points));
+        let ran = folder.run(&film(&terrain, " --flight 20000 300")).done();
+        let said = format!("{}{}", ran.out, ran.err);
+        let film = avi(&folder.read("hike.avi"));
+        assert_eq!(
+            film.frames == 60,
+            is_timed,
+            "{} frames: {said}",
+            film.frames
+        );
+        let note = "the times in hike.gpx are left out";
+        assert_eq!(said.contains(note), !is_timed, "{said}");
+    }
+}
+
 #[test]
 fn a_track_without_times_is_flown_at_the_speed_and_height_asked_for() {
     let Some([terrain, _]) = park() else { return };
