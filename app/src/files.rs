@@ -76,6 +76,17 @@ pub(crate) fn check_depth_name(path: &Path) -> Result<()> {
     }
 }
 
+/// Refuses a name for a plot that ends as something else does.
+pub(crate) fn check_plot_name(path: &Path) -> Result<()> {
+    match ending(path).as_deref() {
+        Some("svg") => Ok(()),
+        _ => Err(crate::exit::usage(format!(
+            "{} does not say that a plot is an SVG file: let it end in .svg",
+            path.display()
+        ))),
+    }
+}
+
 /// What a name ends in, in small letters.
 fn ending(path: &Path) -> Option<String> {
     let ending = path.extension()?.to_str()?;

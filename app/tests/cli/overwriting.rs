@@ -72,6 +72,17 @@ fn no_output_takes_the_place_of_another() {
 }
 
 #[test]
+fn a_plot_is_written_under_no_name_that_says_otherwise() {
+    let folder = Folder::new();
+    folder.write("p.tif", "another's photo");
+    for odd in ["p.tif", "p", "p.svg.txt"] {
+        let arguments = format!("bench --frames 1 --plot {odd}");
+        folder.run(&arguments).failed(2, &[odd, "end in .svg"]);
+    }
+    assert_eq!(folder.read("p.tif"), b"another's photo");
+}
+
+#[test]
 fn depth_is_written_under_no_name_that_says_otherwise() {
     let folder = Folder::new();
     folder.write("v.toml", VIEW);

@@ -29,6 +29,9 @@ pub(crate) fn run(args: &BenchArgs, started: Instant) -> Result<()> {
         args.terrain.files().into_iter().chain(view_files),
         [("--plot", args.plot.as_deref())],
     )?;
+    if let Some(path) = &args.plot {
+        files::check_plot_name(path)?;
+    }
     let casters = match args.caster.as_slice() {
         [] => vec![scene::caster(CASTERS[0].name)?],
         names => names
