@@ -249,6 +249,10 @@ impl Show for Live {
             }
             if let Some(tape) = tape {
                 let problem = tape.recorder().problem();
+                // In the messages, too, as nobody may see the devices' column then.
+                if let Some(problem) = &problem {
+                    readings.messages.push(format!("recording: {problem}"));
+                }
                 readings.devices.push(Device {
                     name: "recording".into(),
                     works: problem.is_none(),

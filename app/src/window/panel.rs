@@ -70,13 +70,14 @@ pub(super) fn lay_out(
                         picture(ui, settings, readings, &mut wishes);
                     });
                     column(ui, "Times", |ui| times(ui, vitals));
+                    // Before what hardly changes: in a narrow window the last columns lie beside it.
+                    column(ui, "Devices", |ui| devices(ui, &readings.devices));
                     column(ui, "Terrain", |ui| {
                         terrain(ui, readings, &mut settings.keys);
                     });
                     if readings.can_calibrate {
                         column(ui, "Calibrate", |ui| calibrations(ui, &mut wishes));
                     }
-                    column(ui, "Devices", |ui| devices(ui, &readings.devices));
                 });
             });
             messages(ui, readings.messages.iter().chain(&vitals.messages));
@@ -284,8 +285,8 @@ fn to_the_glass(ui: &mut Ui, table: &LatencyTable) {
     ui.end_row();
 }
 
-/// How many points of a device's state show at least, however narrow the window is.
-const LEAST_ROOM: f32 = 160.0;
+/// How many points of a device's state show: all of it where it is pointed at.
+const ROOM: f32 = 160.0;
 
 fn devices(ui: &mut Ui, devices: &[Device]) {
     if devices.is_empty() {
@@ -299,10 +300,8 @@ fn devices(ui: &mut Ui, devices: &[Device]) {
         } else {
             Color32::from_rgb(255, 170, 90)
         };
-        // No wider than is left of the panel: all of it shows where it is pointed at.
-        let room = ui.clip_rect().right() - ui.cursor().left();
         ui.scope(|ui| {
-            ui.set_max_width(room.max(LEAST_ROOM));
+            ui.set_max_width(ROOM);
             ui.add(Label::new(RichText::new(&device.state).color(colour)).truncate());
         });
         ui.end_row();
