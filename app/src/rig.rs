@@ -38,12 +38,15 @@ pub(crate) fn open(name: &str, ports: &[String]) -> Result<Rig> {
     Ok(rig)
 }
 
-/// Two devices that are on one serial port, and that port.
+/// Two devices that are on one serial port, and how the second names it; a port may have many names, like
+/// `/dev/serial/by-id/…`.
 fn on_one_port(rig: &Rig) -> Option<([&str; 2], &str)> {
     let mut ports = BTreeMap::new();
     rig.devices.iter().find_map(|(name, device)| {
         let port = device.port()?;
-        let other = ports.insert(port, name.as_str())?;
+        let place = Path::new(port);
+        let place = place.canonicalize().unwrap_or_else(|_| place.to_owned());
+        let other = ports.insert(place, name.as_str())?;
         Some(([other, name.as_str()], port))
     })
 }
@@ -96,6 +99,17 @@ mod tests {
             error.contains("`flock` and `pinch` are both on /dev/ttyS7"),
             "{error}"
         );
+        #[cfg(unix)]
+        {
+            // By another name, too.
+            let [port, alias] = ["port", "alias"].map(|name| folder.path().join(name));
+            std::fs::write(&port, "").unwrap();
+            std::os::unix::fs::symlink(&port, &alias).unwrap();
+            let [flock, pinch] = [("flock", &port), ("pinch", &alias)]
+                .map(|(name, path)| format!("{name}={}", path.display()));
+            let error = opened(&[&flock, &pinch]).unwrap_err().to_string();
+            assert!(error.contains("are both on"), "{error}");
+        }
         let rig = opened(&["flock=/dev/ttyS7", "pinch=/dev/ttyS3"]).unwrap();
         assert_eq!(rig.devices["flock"].port(), Some("/dev/ttyS7"));
         assert_eq!(rig.devices["pinch"].port(), Some("/dev/ttyS3"));

@@ -116,7 +116,9 @@ fn cannot_open(path: &str, error: &serialport::Error) -> SerialError {
         Serial::Io(ErrorKind::PermissionDenied) => {
             "join the port's group: `sudo usermod -aG dialout $USER`, then log in again"
         }
-        Serial::NoDevice => "another program has it open; end that one",
+        Serial::NoDevice => {
+            "another program, or another device of the rig, has it open: end that program, or give each device a port of its own"
+        }
         _ => "name a serial port; `sandtable doctor` lists them",
     };
     SerialError::Open {
