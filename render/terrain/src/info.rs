@@ -24,6 +24,8 @@ pub struct FileInfo {
     pub crs: Option<String>,
     /// The CRS's EPSG code, where the file names one.
     pub epsg: Option<u32>,
+    /// The vertical CRS's name, with its EPSG code, where the file names one.
+    pub vertical_crs: Option<String>,
     /// The CRS's parameters.
     pub crs_parameters: Option<Crs>,
     /// Six coefficients from columns and rows to coordinates, from the first cell's outer corner.
@@ -181,6 +183,7 @@ fn describe(
         dtype: vec![header.sample; header.bands.len()],
         crs: header.crs.as_ref().map(ToString::to_string),
         epsg: header.crs.as_ref().and_then(|crs| crs.epsg),
+        vertical_crs: header.vertical_crs.clone(),
         crs_parameters: header.crs.clone(),
         geotransform: header.transform,
         area_or_point: header.pixel_is,

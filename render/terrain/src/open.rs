@@ -134,6 +134,17 @@ impl Scaling {
     fn of(path: &Path, header: &Header, notes: &mut Vec<String>) -> Result<Self, TerrainError> {
         let band = &header.bands[0];
         let unit = band.unit.as_deref().unwrap_or("m");
+        let map_unit = header.crs.as_ref().and_then(|crs| crs.projection.as_ref());
+        if let Some(length) = map_unit.map(|projection| projection.metres_per_unit)
+            && length != 1.0
+            && band.unit.is_none()
+        {
+            notes.push(format!(
+                "the map's unit is {length:.4} m long, but nothing names that of heights, which \
+                 are taken for metres (if they are in feet, say so with: gdal_edit.py -units ft {})",
+                path.display()
+            ));
+        }
         let metres = metres_per_height_unit(unit).ok_or_else(|| {
             TerrainError::unsupported(
                 path,
@@ -165,6 +176,9 @@ fn metres_per_height_unit(unit: &str) -> Option<f64> {
         "mm" | "millimetre" | "millimeter" => 0.001,
         "km" | "kilometre" | "kilometer" => 1000.0,
         "ft" | "foot" | "feet" | "international foot" => 0.3048,
+        "british foot (1936)" => 0.304_800_749_1,
+        "fathom" => 1.8288,
+        "yard" => 0.9144,
         "us-ft" | "ftus" | "us survey foot" | "us survey feet" | "sfoot" => 1200.0 / 3937.0,
         _ => return None,
     })

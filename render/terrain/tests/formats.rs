@@ -178,6 +178,28 @@ fn coordinates_in_survey_feet_become_metres() {
 }
 
 #[test]
+fn heights_in_the_feet_of_a_vertical_crs_become_metres() {
+    let terrain = terrain("vertical_us_feet");
+    let height = f64::from(terrain.ground.heights().post(3, ROWS - 1));
+    let expected = value(-1000.0, 3, 0) * 1200.0 / 3937.0;
+    assert!((height - expected).abs() < 1e-4, "{height}, {expected}");
+    let notes = terrain.notes.join("\n");
+    assert!(notes.contains("US survey foot"), "{notes}");
+    let described = described("vertical_us_feet");
+    let name = "NAVD88 height (ftUS) (EPSG:6360)";
+    assert_eq!(described.vertical_crs.as_deref(), Some(name));
+    assert!(described.to_string().contains(name));
+}
+
+#[test]
+fn heights_without_a_unit_on_a_map_in_feet_are_remarked_on() {
+    let notes = terrain("us_feet").notes.join("\n");
+    for part in ["0.3048 m", "taken for metres", "gdal_edit.py -units ft"] {
+        assert!(notes.contains(part), "{notes}");
+    }
+}
+
+#[test]
 fn blocks_that_are_left_out_are_nodata() {
     let found = described("sparse");
     assert_eq!(found.band_info[0].valid, 256);

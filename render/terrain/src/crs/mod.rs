@@ -3,12 +3,14 @@
 mod datum;
 mod geo_keys;
 mod relation;
+mod vertical;
 mod wgs84;
 mod wkt;
 
 pub use datum::Datum;
 pub(crate) use geo_keys::crs_from_geo_keys;
 pub use relation::CrsRelation;
+pub(crate) use vertical::VerticalCrs;
 pub use wgs84::PlaceError;
 pub use wkt::WktError;
 

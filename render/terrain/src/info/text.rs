@@ -33,6 +33,9 @@ impl fmt::Display for FileInfo {
             "CRS          {}",
             self.crs.as_deref().unwrap_or("not named")
         )?;
+        if let Some(vertical) = &self.vertical_crs {
+            writeln!(f, "vertical CRS {vertical}")?;
+        }
         if let Some([x, dx, _, y, _, dy]) = self.geotransform {
             writeln!(f, "origin       {x}, {y}")?;
             writeln!(f, "cell         {dx} by {}", -dy)?;

@@ -327,6 +327,7 @@ impl Keys {
             sample: SampleType::Int32,
             bands: vec![Band::plain(ColourRole::Undefined, self.nodata, None)],
             crs: None,
+            vertical_crs: None,
             transform: Some([west, dx, 0.0, south + rows * dy, 0.0, -dy]),
             pixel_is: None,
             compression: None,

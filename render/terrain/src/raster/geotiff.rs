@@ -4,7 +4,7 @@ mod blocks;
 mod metadata;
 
 use super::{Band, BandChoice, Header, PixelIs, RasterFile, SampleType, check_size, sidecar};
-use crate::crs::crs_from_geo_keys;
+use crate::crs::{VerticalCrs, crs_from_geo_keys};
 use crate::{Crs, TerrainError};
 use blocks::Blocks;
 use geotiff_reader::transform::GeoTransform;
@@ -345,6 +345,7 @@ fn header(
         sample,
         bands: Vec::new(),
         crs: None,
+        vertical_crs: None,
         transform: None,
         pixel_is: Some(PixelIs::Area),
         compression: metadata::compression_name(ifd),
@@ -393,12 +394,38 @@ fn header(
             offset: metadata.number("offset", index),
         })
         .collect();
-    if let Tiff::Geo(geo) = tiff
-        && header.bands.first().is_some_and(|band| band.unit.is_none())
-    {
-        header.bands[0].unit = metadata::vertical_unit(geo.crs());
+    if let Tiff::Geo(geo) = tiff {
+        add_vertical_crs(path, &mut header, VerticalCrs::from_geo_keys(geo.geokeys()));
     }
     Ok(header)
+}
+
+/// Takes the unit of heights from the vertical CRS where GDAL's metadata names none, and tells
+/// what is guessed.
+fn add_vertical_crs(path: &Path, header: &mut Header, vertical: VerticalCrs) {
+    let Some(band) = header.bands.first_mut() else {
+        return;
+    };
+    if band.unit.is_none() {
+        band.unit = vertical.unit;
+    }
+    if let Some(name) = &vertical.name {
+        if band.unit.is_none() {
+            header.notes.push(format!(
+                "the unit of the vertical CRS, {name}, is not known here; heights are taken for \
+                 metres (if they are in feet, say so with: gdal_edit.py -units ft {})",
+                path.display()
+            ));
+        }
+        if vertical.is_depth && band.scale.is_none_or(|scale| scale > 0.0) {
+            header.notes.push(format!(
+                "the vertical CRS, {name}, counts downwards, but values are taken for heights \
+                 (turn them with: gdal_edit.py -scale -1 {})",
+                path.display()
+            ));
+        }
+    }
+    header.vertical_crs = vertical.name;
 }
 
 fn coefficients(transform: &GeoTransform) -> [f64; 6] {

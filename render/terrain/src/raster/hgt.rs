@@ -63,6 +63,7 @@ impl Hgt {
             sample: SampleType::Int16,
             bands: vec![Band::plain(ColourRole::Undefined, Some(VOID), Some("m"))],
             crs: Some(Crs::wgs84()),
+            vertical_crs: None,
             transform: Some(transform),
             pixel_is: Some(PixelIs::Point),
             compression: None,

@@ -129,6 +129,8 @@ pub(crate) struct Header {
     pub sample: SampleType,
     pub bands: Vec<Band>,
     pub crs: Option<Crs>,
+    /// Name and code of the vertical CRS, where the file names one.
+    pub vertical_crs: Option<String>,
     /// GDAL's six coefficients, from the outer corner of the north-west cell; `None` where the
     /// file does not say where it lies.
     pub transform: Option<[f64; 6]>,

@@ -2,7 +2,6 @@
 
 use crate::TerrainError;
 use crate::raster::ColourRole;
-use geotiff_reader::crs::CrsInfo;
 use std::path::Path;
 use tiff_reader::Ifd;
 
@@ -68,17 +67,6 @@ pub(super) fn nodata(path: &Path, text: &str) -> Result<f64, TerrainError> {
             ),
         )
     })
-}
-
-/// The unit of heights by the vertical CRS, where the file names one.
-pub(super) fn vertical_unit(crs: &CrsInfo) -> Option<String> {
-    let unit = match crs.vertical_units()? {
-        9001 => "metre",
-        9002 => "foot",
-        9003 => "US survey foot",
-        _ => return None,
-    };
-    Some(unit.to_owned())
 }
 
 /// What each band stands for.
