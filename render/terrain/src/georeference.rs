@@ -1,7 +1,7 @@
 //! From a file's coordinates to world metres and back.
 
 use crate::raster::Header;
-use crate::{Crs, PlaceError, TerrainError};
+use crate::{Crs, Datum, PlaceError, TerrainError};
 use glam::DVec2;
 use std::path::Path;
 
@@ -89,6 +89,22 @@ impl Georeference {
     #[must_use]
     pub fn crs_from_world(&self, place: DVec2) -> DVec2 {
         place / self.metres_per_unit + self.origin
+    }
+
+    /// Metres of the map to a metre of the ground at a place in coordinates, eastwards and
+    /// northwards; `None` where that cannot be computed. Degrees are measured on the ground.
+    pub(crate) fn map_scale(&self, place: DVec2) -> Option<DVec2> {
+        /// Half of what is measured, in metres of the map: short against any terrain.
+        const REACH: f64 = 100.0;
+        let crs = self.crs.as_ref().filter(|crs| !crs.is_geographic())?;
+        let along = |axis: DVec2| {
+            let reach = axis * REACH / self.metres_per_unit;
+            let (from, to) = (crs.to_wgs84(place - reach)?, crs.to_wgs84(place + reach)?);
+            let metres = DVec2::from(Datum::wgs84().metres_per_degree((from.y + to.y) / 2.0));
+            let scale = 2.0 * REACH / ((to - from) * metres).length();
+            scale.is_finite().then_some(scale)
+        };
+        Some(DVec2::new(along(DVec2::X)?, along(DVec2::Y)?))
     }
 
     /// Metres between posts, eastwards and northwards.

@@ -4,6 +4,7 @@ use crate::fill::fill_holes;
 use crate::photo_file::read_photo;
 use crate::raster::{BandChoice, Header, RasterFile, open_raster};
 use crate::{Georeference, Ground, Holes, TerrainError, TerrainSource, TiledRaster, builtin};
+use glam::DVec2;
 use std::path::Path;
 
 /// Ground, and where it comes from.
@@ -81,6 +82,7 @@ pub(crate) fn terrain_from_raster(
     if header.crs.is_none() && !notes.iter().any(|note| note.contains("coordinates")) {
         notes.push("the file names no CRS; its coordinates are taken for metres".into());
     }
+    notes.extend(scale_note(path, &header, &georeference));
     if header.bands.len() > 1 {
         notes.push(format!(
             "heights are read from the first of {} bands",
@@ -122,6 +124,30 @@ pub(crate) fn terrain_from_raster(
         georeference,
         notes,
     })
+}
+
+/// Says where a map's metres are far from the ground's, which makes relief too flat or too steep.
+fn scale_note(path: &Path, header: &Header, georeference: &Georeference) -> Option<String> {
+    /// Systems made for a country stay well within.
+    const TOLERANCE: f64 = 0.05;
+    let posts = DVec2::new(header.width.into(), header.height.into());
+    let middle = georeference.origin + georeference.step * (posts - 1.0) / 2.0;
+    let scale = georeference.map_scale(middle)?;
+    if (scale - 1.0).abs().max_element() <= TOLERANCE {
+        return None;
+    }
+    let crs = georeference.crs.as_ref()?;
+    let degrees = crs.to_wgs84(middle)?;
+    let zone = ((degrees.x + 180.0) / 6.0).floor().rem_euclid(60.0) + 1.0;
+    let code = if degrees.y < 0.0 { 32_700.0 } else { 32_600.0 } + zone;
+    Some(format!(
+        "{crs} is not true to scale here: {:.2} m of the map eastwards and {:.2} m northwards are \
+         1 m of ground, but heights are not stretched; for true slopes, bring it to UTM with: \
+         gdalwarp -t_srs EPSG:{code} {} utm.tif",
+        scale.x,
+        scale.y,
+        path.display()
+    ))
 }
 
 /// From stored values to metres: stored · scale + offset.

@@ -200,6 +200,28 @@ fn heights_without_a_unit_on_a_map_in_feet_are_remarked_on() {
 }
 
 #[test]
+fn a_map_that_is_not_true_to_scale_is_remarked_on() {
+    let notes = terrain("web_mercator").notes.join("\n");
+    for part in [
+        "1.30 m of the map eastwards and 1.31 m northwards",
+        "gdalwarp -t_srs EPSG:32613",
+    ] {
+        assert!(notes.contains(part), "{part:?} is not in: {notes}");
+    }
+    let notes = terrain("us_feet").notes.join("\n");
+    assert!(!notes.contains("scale"), "{notes}");
+}
+
+#[test]
+fn a_map_that_is_not_true_to_scale_places_longitudes_and_latitudes_all_the_same() {
+    let georeference = terrain("web_mercator").georeference;
+    let world = georeference.world_from_wgs84(glam::DVec2::new(-105.0, 40.0));
+    // By cs2cs, less the coordinates of the south-west post.
+    let expected = glam::DVec2::new(387.467, 400.080);
+    assert!((world.unwrap() - expected).length() < 0.01);
+}
+
+#[test]
 fn blocks_that_are_left_out_are_nodata() {
     let found = described("sparse");
     assert_eq!(found.band_info[0].valid, 256);

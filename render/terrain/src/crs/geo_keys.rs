@@ -1,6 +1,6 @@
 //! GeoTIFF's keys to a CRS.
 
-use super::{Crs, Datum, Projection};
+use super::{Crs, Datum, PSEUDO_MERCATOR, Projection};
 use geotiff_reader::geokeys::{self, GeoKeyDirectory};
 
 const USER_DEFINED: u16 = 32_767;
@@ -164,6 +164,7 @@ fn projection(keys: &GeoKeyDirectory, metres_per_unit: f64) -> Projection {
     }
     let method = match keys.get_short(geokeys::PROJ_COORD_TRANS) {
         Some(1) => "transverse_mercator".to_owned(),
+        Some(7) if cites_auxiliary_sphere(keys) => PSEUDO_MERCATOR.to_owned(),
         Some(7) => "mercator_1sp".to_owned(),
         Some(8) => "lambert_conformal_conic_2sp".to_owned(),
         Some(9) => "lambert_conformal_conic_1sp".to_owned(),
@@ -182,6 +183,19 @@ fn projection(keys: &GeoKeyDirectory, metres_per_unit: f64) -> Projection {
         Some((name.to_owned(), number(keys, key)? * scale))
     });
     Projection::new(&method, parameters, metres_per_unit)
+}
+
+/// Whether a Mercator projection is that of web maps: GeoTIFF has no key for that, and writers say
+/// so in ESRI's words.
+fn cites_auxiliary_sphere(keys: &GeoKeyDirectory) -> bool {
+    [geokeys::GT_CITATION, geokeys::PROJ_CITATION]
+        .into_iter()
+        .filter_map(|key| keys.get_ascii(key))
+        .any(|text| {
+            ["Auxiliary_Sphere", "Pseudo-Mercator"]
+                .iter()
+                .any(|name| text.contains(name))
+        })
 }
 
 fn datum(keys: &GeoKeyDirectory) -> Result<Datum, String> {
@@ -273,6 +287,24 @@ mod tests {
         assert_eq!(crs.utm_zone(), Some((25, 'S')));
         assert_eq!(crs.projection, Crs::from_epsg(31985).unwrap().projection);
         assert!(crs.datum.is_unnamed() && crs.epsg.is_none());
+    }
+
+    #[test]
+    fn mercator_is_that_of_web_maps_where_it_is_said_to_be() {
+        let mercator = |citation: &str| {
+            let keys = directory(&[
+                (1024, GeoKeyValue::Short(1)),
+                (1026, GeoKeyValue::Ascii(citation.to_owned())),
+                (2048, GeoKeyValue::Short(4326)),
+                (3072, GeoKeyValue::Short(USER_DEFINED)),
+                (3075, GeoKeyValue::Short(7)),
+                (3076, GeoKeyValue::Short(9001)),
+            ]);
+            crs_from_geo_keys(&keys).unwrap().unwrap().projection
+        };
+        let web = Crs::from_epsg(3857).unwrap().projection;
+        assert_eq!(mercator("WGS_1984_Web_Mercator_Auxiliary_Sphere"), web);
+        assert_ne!(mercator("World Mercator"), web);
     }
 
     #[test]

@@ -18,6 +18,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
+/// The method of web maps: ellipsoidal latitudes, projected as if the Earth were a sphere.
+const PSEUDO_MERCATOR: &str = "pseudo_mercator";
+
 /// A horizontal coordinate reference system, by its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Crs {
@@ -114,7 +117,7 @@ impl Crs {
         };
         let name = match projection.method.as_str() {
             "transverse_mercator" => "tmerc",
-            "mercator_1sp" | "mercator_2sp" | "mercator" => "merc",
+            "mercator_1sp" | "mercator_2sp" | "mercator" | PSEUDO_MERCATOR => "merc",
             "lambert_conformal_conic_1sp" | "lambert_conformal_conic_2sp" => "lcc",
             "albers_conic_equal_area" => "aea",
             "lambert_azimuthal_equal_area" => "laea",
@@ -143,10 +146,14 @@ impl Crs {
                 text += &format!(" +lat_1={value}");
             }
         }
-        Some(format!(
-            "{text} {} +units=m +no_defs",
+        let datum = if projection.method == PSEUDO_MERCATOR {
+            let radius = self.datum.semi_major_axis;
+            // PROJ's way to leave latitudes as they are, for all that the sphere is another body.
+            format!("+a={radius} +b={radius} +nadgrids=@null +wktext")
+        } else {
             self.datum.proj_words()
-        ))
+        };
+        Some(format!("{text} {datum} +units=m +no_defs"))
     }
 }
 
@@ -176,6 +183,9 @@ impl Projection {
         let method = match snake_case(method).as_str() {
             "gauss_kruger" => "transverse_mercator".to_owned(),
             "albers" => "albers_conic_equal_area".to_owned(),
+            "mercator_auxiliary_sphere" | "popular_visualisation_pseudo_mercator" => {
+                PSEUDO_MERCATOR.to_owned()
+            }
             "lambert_conformal_conic" if parameters.contains_key("standard_parallel_2") => {
                 "lambert_conformal_conic_2sp".to_owned()
             }

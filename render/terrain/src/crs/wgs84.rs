@@ -31,27 +31,44 @@ impl Crs {
     /// # Errors
     /// [`PlaceError`] where the system is not computed or does not reach the place.
     pub fn from_wgs84(&self, degrees: DVec2) -> Result<DVec2, PlaceError> {
-        let not_computed = || PlaceError::NotComputed(self.to_string());
-        let own = self.proj_string().ok_or_else(not_computed)?;
-        let own = Proj::from_proj_string(&own).map_err(|_| not_computed())?;
-        let wgs84 = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs")
-            .map_err(|_| not_computed())?;
+        let (own, wgs84) = self
+            .and_wgs84()
+            .ok_or_else(|| PlaceError::NotComputed(self.to_string()))?;
         let no_coordinates = || PlaceError::NoCoordinates {
             longitude: degrees.x.to_string(),
             latitude: degrees.y.to_string(),
         };
         let mut point = (degrees.x.to_radians(), degrees.y.to_radians(), 0.0);
         transform(&wgs84, &own, &mut point).map_err(|_| no_coordinates())?;
-        let unit = self
-            .projection
-            .as_ref()
-            .map_or(1f64.to_radians(), |projection| projection.metres_per_unit);
-        let place = DVec2::new(point.0, point.1) / unit;
+        let place = DVec2::new(point.0, point.1) / self.unit();
         if place.is_finite() {
             Ok(place)
         } else {
             Err(no_coordinates())
         }
+    }
+
+    /// The WGS 84 longitude and latitude in degrees of a place in this system's own units, where
+    /// they can be computed.
+    pub(crate) fn to_wgs84(&self, place: DVec2) -> Option<DVec2> {
+        let (own, wgs84) = self.and_wgs84()?;
+        let place = place * self.unit();
+        let mut point = (place.x, place.y, 0.0);
+        transform(&own, &wgs84, &mut point).ok()?;
+        let degrees = DVec2::new(point.0.to_degrees(), point.1.to_degrees());
+        degrees.is_finite().then_some(degrees)
+    }
+
+    fn and_wgs84(&self) -> Option<(Proj, Proj)> {
+        let own = Proj::from_proj_string(&self.proj_string()?).ok()?;
+        let wgs84 = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").ok()?;
+        Some((own, wgs84))
+    }
+
+    /// Metres, or radians, in one unit of the coordinates.
+    fn unit(&self) -> f64 {
+        let projection = self.projection.as_ref();
+        projection.map_or(1f64.to_radians(), |projection| projection.metres_per_unit)
     }
 }
 
@@ -70,6 +87,28 @@ mod tests {
         );
         let at = Crs::wgs84().from_wgs84(DVec2::new(9.0, 47.0)).unwrap();
         assert!((at - DVec2::new(9.0, 47.0)).length() < 1e-9);
+    }
+
+    #[test]
+    fn web_maps_are_a_spheres_whichever_way_they_are_described() {
+        let esri = Crs::from_wkt(
+            r#"PROJCS["WGS_1984_Web_Mercator_Auxiliary_Sphere",GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",SPHEROID["WGS_1984",6378137.0,298.257223563]],PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],PROJECTION["Mercator_Auxiliary_Sphere"],PARAMETER["False_Easting",0.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",0.0],PARAMETER["Standard_Parallel_1",0.0],PARAMETER["Auxiliary_Sphere_Type",0.0],UNIT["Meter",1.0]]"#,
+        );
+        let place = DVec2::new(-105.0, 40.0);
+        for crs in [
+            esri.unwrap(),
+            Crs::from_epsg(3857).unwrap(),
+            Crs::from_epsg(3785).unwrap(),
+        ] {
+            let at = crs.from_wgs84(place).unwrap();
+            // As PROJ 9.1.1 gives it: cs2cs EPSG:4326 EPSG:3857.
+            let expected = DVec2::new(-11_688_546.533_294, 4_865_942.279_503);
+            assert!((at - expected).length() < 1e-3, "{crs}: {at}");
+            assert!((crs.to_wgs84(at).unwrap() - place).length() < 1e-9, "{crs}");
+        }
+        // World Mercator is the ellipsoid's.
+        let at = Crs::from_epsg(3395).unwrap().from_wgs84(place).unwrap();
+        assert!((at.y - 4_838_471.398).abs() < 1e-2, "{at}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Well-known text (OGC WKT 1, also in ESRI's spelling, as in `.prj` files) to a CRS.
 
-use super::{Crs, Datum, Projection};
+use super::{Crs, Datum, PSEUDO_MERCATOR, Projection};
 
 /// Nothing real nests deeper; a hostile text must not exhaust the stack.
 const MAX_DEPTH: usize = 32;
@@ -171,7 +171,11 @@ fn projected(element: &Element) -> Result<Crs, WktError> {
         .number(1)
         .unwrap_or(f64::NAN);
     check(unit > 1e-6 && unit < 1e6, "the unit of length", unit)?;
-    let method = element.need("PROJCS", "PROJECTION")?.name();
+    let mut method = element.need("PROJCS", "PROJECTION")?.name();
+    // WKT 1 has no word of its own for it.
+    if is_pseudo_mercator(element) {
+        method = PSEUDO_MERCATOR;
+    }
     let parameters = element.children("PARAMETER").map(|parameter| {
         let name = parameter.name().to_ascii_lowercase();
         let value = parameter.number(1).unwrap_or(0.0);
@@ -193,6 +197,26 @@ fn projected(element: &Element) -> Result<Crs, WktError> {
         crs.name = format!("{} / UTM zone {zone}{hemisphere}", crs.datum.name);
     }
     Ok(crs)
+}
+
+/// Whether PROJ's words beside the projection make it a sphere's Mercator.
+fn is_pseudo_mercator(element: &Element) -> bool {
+    let mut words = element
+        .children("EXTENSION")
+        .filter(|extension| extension.name().eq_ignore_ascii_case("PROJ4"))
+        .filter_map(|extension| match extension.items.get(1) {
+            Some(Item::Text(text)) => Some(text.as_str()),
+            _ => None,
+        });
+    words.any(|words| {
+        let value = |key| {
+            words
+                .split_whitespace()
+                .find_map(|word| word.strip_prefix(key))
+        };
+        let axes = (value("+a="), value("+b="));
+        value("+proj=") == Some("merc") && axes.0.is_some() && axes.0 == axes.1
+    })
 }
 
 fn degrees_per_unit(element: &Element) -> Result<f64, WktError> {
