@@ -162,15 +162,18 @@ pub enum TerrainError {
     /// Photograph and terrain lie apart.
     #[error(
         "{} lies wholly outside the terrain (photograph {photo:?}, terrain {terrain:?}, each west, \
-         south, east, north); take a photograph of the same place", path.display()
+         south, east, north); {remedy}", path.display()
     )]
     PhotoElsewhere {
         /// The photograph.
         path: PathBuf,
-        /// West, south, east, north edge of the photograph in the CRS's units.
+        /// West, south, east, north edge of the photograph: in the terrain's coordinates, or in
+        /// WGS 84 degrees where the two have different ones.
         photo: [f64; 4],
-        /// The terrain's edges.
+        /// The terrain's edges, likewise.
         terrain: [f64; 4],
+        /// What to do.
+        remedy: String,
     },
     /// A picture that could not be decoded.
     #[error("{} cannot be decoded as a picture: {problem}; {remedy}", path.display())]

@@ -67,7 +67,9 @@ pub(crate) fn read_photo(
         place.crs = sidecar(path)?;
     }
     let edges = edges(path, &place, terrain, grid, [cols, rows], &mut notes)?;
+    // Coordinates can be compared once they are known to mean the same.
     compare_crs(path, place.crs.as_ref(), terrain, edges, grid, &mut notes)?;
+    check_overlap(path, edges, terrain, grid)?;
     let refused = TerrainError::no_memory(path);
     let pixels = TiledRaster::try_from_northern_rows(cols, rows, refused, |first, into| {
         file.read_rows(first, into)
@@ -95,16 +97,12 @@ fn edges(
     [cols, rows]: [u32; 2],
     notes: &mut Vec<String>,
 ) -> Result<[f64; 4], TerrainError> {
-    let posts = DVec2::new(grid.cols.into(), grid.rows.into());
-    let south_west = terrain.origin - terrain.step / 2.0;
-    let north_east = south_west + terrain.step * posts;
-    let ground = [south_west.x, south_west.y, north_east.x, north_east.y];
     let Some(transform) = place.transform else {
         notes.push(
             "the photograph does not say where it lies; it is stretched over the whole terrain"
                 .into(),
         );
-        return Ok(ground);
+        return Ok(terrain_edges(terrain, grid));
     };
     let [west, dx, skew_x, north, skew_y, dy] = transform;
     let (east, south) = (west + dx * f64::from(cols), north + dy * f64::from(rows));
@@ -116,21 +114,97 @@ fn edges(
             transform,
         });
     }
-    let photo = [west, south, east, north];
-    let apart = east <= ground[0] || west >= ground[2] || north <= ground[1] || south >= ground[3];
-    // Coordinates of another kind lie elsewhere too; that is for the comparison of systems.
-    let comparable = match (&place.crs, &terrain.crs) {
-        (Some(own), Some(others)) => own.is_geographic() == others.is_geographic(),
-        _ => true,
+    Ok([west, south, east, north])
+}
+
+/// West, south, east and north edges of the terrain in its coordinates.
+fn terrain_edges(terrain: &Georeference, grid: &Grid) -> [f64; 4] {
+    let posts = DVec2::new(grid.cols.into(), grid.rows.into());
+    let south_west = terrain.origin - terrain.step / 2.0;
+    let north_east = south_west + terrain.step * posts;
+    [south_west.x, south_west.y, north_east.x, north_east.y]
+}
+
+/// Whether two rectangles, each by its west, south, east and north edges, share no place.
+fn apart(a: [f64; 4], b: [f64; 4]) -> bool {
+    a[2] <= b[0] || a[0] >= b[2] || a[3] <= b[1] || a[1] >= b[3]
+}
+
+/// Refuses a photograph in the terrain's coordinates that shares no place with it.
+fn check_overlap(
+    path: &Path,
+    photo: [f64; 4],
+    terrain: &Georeference,
+    grid: &Grid,
+) -> Result<(), TerrainError> {
+    let ground = terrain_edges(terrain, grid);
+    if !apart(photo, ground) {
+        return Ok(());
+    }
+    let [west, south, east, north] = photo;
+    // Some programs count longitudes from 0 to 360, others from -180 to 180.
+    let is_geographic = terrain.crs.as_ref().is_some_and(Crs::is_geographic);
+    let turned = [-360.0, 360.0]
+        .map(|turn| [west + turn, south, east + turn, north])
+        .into_iter()
+        .find(|turned| is_geographic && !apart(*turned, ground));
+    Err(TerrainError::PhotoElsewhere {
+        path: path.to_owned(),
+        photo,
+        terrain: ground,
+        remedy: match turned {
+            Some([west, south, east, north]) => format!(
+                "its longitudes count from another meridian; turn them by 360 degrees with: \
+                 gdal_translate -a_ullr {west} {north} {east} {south} {} photo.tif",
+                path.display()
+            ),
+            None => "take a photograph of the same place".into(),
+        },
+    })
+}
+
+/// Refuses a photograph in another CRS that shares no longitude and latitude with the terrain,
+/// where that can be computed: to warp it would not help.
+fn check_overlap_on_earth(
+    path: &Path,
+    photo: (&Crs, [f64; 4]),
+    ground: (&Crs, [f64; 4]),
+) -> Result<(), TerrainError> {
+    /// More, in degrees, than a rectangle's sides are bent by between its corners.
+    const MARGIN: f64 = 1.0;
+    let (Some(photo), Some(ground)) = (degrees(photo), degrees(ground)) else {
+        return Ok(());
     };
-    if apart && comparable {
+    let [west, south, east, north] = photo;
+    let wide = [west - MARGIN, south - MARGIN, east + MARGIN, north + MARGIN];
+    if apart(wide, ground) {
         return Err(TerrainError::PhotoElsewhere {
             path: path.to_owned(),
             photo,
             terrain: ground,
+            remedy: "take a photograph of the same place".into(),
         });
     }
-    Ok(photo)
+    Ok(())
+}
+
+/// The rectangle of longitudes and latitudes around the corners of one in coordinates, where they
+/// can be computed and do not reach around the Earth.
+fn degrees((crs, [west, south, east, north]): (&Crs, [f64; 4])) -> Option<[f64; 4]> {
+    let mut edges = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    for corner in [[west, south], [east, south], [west, north], [east, north]] {
+        let at = crs.to_wgs84(DVec2::from(corner))?;
+        edges[0] = edges[0].min(at.x);
+        edges[1] = edges[1].min(at.y);
+        edges[2] = edges[2].max(at.x);
+        edges[3] = edges[3].max(at.y);
+    }
+    (edges[2] - edges[0] < 180.0).then_some(edges)
 }
 
 /// Accepts a photograph whose coordinates mean what the terrain's do, within one cell.
@@ -187,6 +261,8 @@ fn compare_crs(
         }
         CrsRelation::Unrelated(why) => why,
     };
+    let edges = [west, south, east, north];
+    check_overlap_on_earth(path, (photo, edges), (ground, terrain_edges(terrain, grid)))?;
     Err(TerrainError::PhotoCrs {
         path: path.to_owned(),
         photo_crs: photo.to_string(),

@@ -350,6 +350,45 @@ fn pictures_that_do_not_fit_are_refused() {
     assert!(with_picture("photo.png", &huge, &[]).is_err());
 }
 
+const UTM: &str = r#"PROJCS["UTM",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",CENTRAL],PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]"#;
+
+#[test]
+fn a_photograph_of_the_same_place_in_another_system_is_to_be_warped() {
+    // The terrain is at 3° east, 36.15° north, in zone 31; these coordinates are zone 30's.
+    let system = UTM.replace("CENTRAL", "-3");
+    let sidecars = [
+        ("photo.pgw", "50\n0\n0\n-50\n1040300\n4017000\n"),
+        ("photo.prj", system.as_str()),
+    ];
+    let error = with_picture("photo.png", &png(), &sidecars).unwrap_err();
+    for part in ["photo.png", "gdalwarp -t_srs EPSG:32631"] {
+        assert!(error.contains(part), "{part:?} is not in: {error}");
+    }
+    assert!(!error.contains("outside"), "{error}");
+    // In zone 35 they would be 30° farther east, which no warping brings back.
+    let system = UTM.replace("CENTRAL", "27");
+    let sidecars = [sidecars[0], ("photo.prj", system.as_str())];
+    let error = with_picture("photo.png", &png(), &sidecars).unwrap_err();
+    assert!(error.contains("outside"), "{error}");
+}
+
+#[test]
+fn longitudes_from_another_meridian_are_to_be_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let [grid, photo] = ["dem.asc", "photo.png"].map(|name| folder.path().join(name));
+    let text = "ncols 3\nnrows 2\nxllcorner -105\nyllcorner 40\ncellsize 0.1\n1 2 3\n4 5 6\n";
+    std::fs::write(&grid, text).unwrap();
+    std::fs::write(&photo, png()).unwrap();
+    let world = folder.path().join("photo.pgw");
+    std::fs::write(world, "0.0625\n0\n0\n-0.0625\n255.03125\n40.21875\n").unwrap();
+    let error = open(&TerrainSource::File(grid), Some(&photo)).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("gdal_translate -a_ullr -105 40.25 -104.5 39.875"),
+        "{error}"
+    );
+}
+
 /// A small generator of its own, so that the same mutations come again (xorshift).
 struct Random(u64);
 
