@@ -222,6 +222,14 @@ fn a_map_that_is_not_true_to_scale_places_longitudes_and_latitudes_all_the_same(
 }
 
 #[test]
+fn nodata_counts_without_geographic_tags() {
+    let found = described("nowhere_nodata");
+    let band = &found.band_info[0];
+    assert_eq!((band.valid, band.invalid), (1291, 29));
+    assert_eq!(band.nodata, Some(-32_768.0));
+}
+
+#[test]
 fn blocks_that_are_left_out_are_nodata() {
     let found = described("sparse");
     assert_eq!(found.band_info[0].valid, 256);

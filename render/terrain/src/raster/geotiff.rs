@@ -353,7 +353,11 @@ fn header(
         overviews: 0,
         notes: Vec::new(),
     };
-    let mut nodata = None;
+    let text = match tiff {
+        Tiff::Geo(geo) => geo.nodata(),
+        Tiff::Plain(_) => metadata::nodata_text(ifd),
+    };
+    let nodata = text.map(|text| metadata::nodata(path, text)).transpose()?;
     if let Tiff::Geo(geo) = tiff {
         header.overviews = geo.overview_count();
         header.transform = geo.transform().map(coefficients);
@@ -370,10 +374,6 @@ fn header(
                 ),
             )
         })?;
-        nodata = geo
-            .nodata()
-            .map(|text| metadata::nodata(path, text))
-            .transpose()?;
         if let Some(crs) = &header.crs
             && crs.is_geographic()
             && crs.epsg.is_some_and(|code| Crs::from_epsg(code).is_none())

@@ -6,6 +6,7 @@ use std::path::Path;
 use tiff_reader::Ifd;
 
 const GDAL_METADATA: u16 = 42_112;
+const GDAL_NODATA: u16 = 42_113;
 
 /// GDAL's metadata: an XML text whose items have a role and a band.
 pub(super) struct Metadata<'a> {
@@ -52,6 +53,11 @@ fn item(text: &str) -> Option<(&str, usize, &str)> {
         attribute("sample")?.parse().ok()?,
         value.trim(),
     ))
+}
+
+/// What the tag for the value that stands for none says, be there geographic tags or not.
+pub(super) fn nodata_text(ifd: &Ifd) -> Option<&str> {
+    ifd.tag(GDAL_NODATA)?.value.as_str()
 }
 
 /// The value that stands for none.
