@@ -321,6 +321,51 @@ fn sixteen_bits_are_stretched_and_said() {
     );
 }
 
+#[test]
+fn pixels_that_are_not_there_count_in_no_stretch() {
+    for name in ["photo_16_alpha", "photo_16_mask"] {
+        let (ground, notes) = photographed(name);
+        let notes = notes.join("\n");
+        // Columns 10 to 39 and all rows are there.
+        assert!(notes.contains("from 1000 to 4120"), "{name}: {notes}");
+        let photo = ground.photo().unwrap();
+        assert_eq!(photo.pixels.post(9, 0), [0; 4], "{name}");
+        assert_eq!(photo.pixels.post(COLS - 1, ROWS - 1), [255, 0, 33, 255]);
+    }
+    let picture = image::ImageBuffer::from_fn(COLS, ROWS, |col, row| {
+        image::Rgba(if col < 10 {
+            [0; 4]
+        } else {
+            [
+                1000 + 80 * col as u16,
+                1000 + 96 * row as u16,
+                1400,
+                u16::MAX,
+            ]
+        })
+    });
+    let notes = pictured(picture).1.join("\n");
+    assert!(notes.contains("from 1000 to 4120"), "{notes}");
+}
+
+#[test]
+fn nodata_of_a_palette_is_an_index_and_no_colour() {
+    let (ground, _) = photographed("photo_palette");
+    let photo = ground.photo().unwrap();
+    for (col, row) in all_cells() {
+        let expected = match col % 2 {
+            _ if in_disc(col, row) => [0; 4],
+            0 => [0, 0, 0, 255],
+            _ => [250, 0, 0, 255],
+        };
+        assert_eq!(
+            photo.pixels.post(col, ROWS - 1 - row),
+            expected,
+            "{col}, {row}"
+        );
+    }
+}
+
 /// The ground under a picture that is written as a PNG, on the same cells.
 fn pictured(picture: impl Into<image::DynamicImage>) -> (Ground, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();

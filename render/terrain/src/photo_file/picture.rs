@@ -126,10 +126,15 @@ impl SixteenBits<'_> {
         }
     }
 
+    fn is_covered(&self, channels: &[u16]) -> bool {
+        let has_cover = self.channels.is_multiple_of(2);
+        !has_cover || channels[self.channels - 1] >= u16::MAX / 2
+    }
+
     /// What is to be shown, by the measure that photographs in TIFF files have.
     fn stretch(&self) -> Stretch {
         let mut counts = Counts::new();
-        for channels in self.pixels() {
+        for channels in self.pixels().filter(|channels| self.is_covered(channels)) {
             self.colours(channels)
                 .iter()
                 .for_each(|&colour| counts.add(colour));
@@ -138,8 +143,7 @@ impl SixteenBits<'_> {
     }
 
     fn pixel(&self, channels: &[u16], stretch: Stretch) -> Pixel {
-        let has_cover = self.channels.is_multiple_of(2);
-        if has_cover && channels[self.channels - 1] < u16::MAX / 2 {
+        if !self.is_covered(channels) {
             return [0; 4];
         }
         let colours = self.colours(channels).map(f32::from);

@@ -17,8 +17,14 @@ impl Counts {
         self.0[usize::from(value)] += 1;
     }
 
-    /// The range that holds nearly all values.
+    /// The range that holds nearly all values; all of it where there are none.
     pub(super) fn stretch(&self) -> Stretch {
+        if self.0.iter().all(|&count| count == 0) {
+            return Stretch {
+                low: 0,
+                high: u16::MAX,
+            };
+        }
         let clipped = (self.0.iter().sum::<u64>() as f64 * CLIPPED) as u64;
         // One value below the highest at least, so that the range is never empty.
         let low = value_beyond(self.0.iter().enumerate(), clipped).min(u16::MAX - 1);

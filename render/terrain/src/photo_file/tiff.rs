@@ -3,7 +3,8 @@
 use super::stretch::{Counts, Stretch, covered};
 use super::{PhotoFile, Pixel, Place};
 use crate::TerrainError;
-use crate::raster::{GeoTiff, RasterFile, Samples};
+use crate::raster::{BandChoice, GeoTiff, RasterFile, Samples};
+use std::ops::Range;
 use std::path::Path;
 use tiff_reader::{ColorModel, ExtraSample};
 
@@ -13,8 +14,7 @@ const CHUNK_BYTES: u32 = 8 << 20;
 pub(super) struct TiffPhoto {
     file: GeoTiff,
     layout: Channels,
-    /// The sample value that stands for no pixel where all colours have it.
-    nodata: Option<u16>,
+    nodata: Nodata,
     /// What is shown of a 16-bit file's values.
     stretch: Option<Stretch>,
     notes: Vec<String>,
@@ -27,6 +27,17 @@ struct Channels {
     alpha: Option<(usize, Alpha)>,
 }
 
+/// Which value stands for no pixel where all colours have it.
+#[derive(Clone, Copy)]
+enum Nodata {
+    None,
+    /// A value of decoded colours, which are as they are stored.
+    Decoded(u16),
+    /// A value of this many stored samples, of which decoding makes others: a palette's colours,
+    /// or 12 bits as 16.
+    Stored(f64, usize),
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Alpha {
     Straight,
@@ -37,7 +48,17 @@ impl TiffPhoto {
     pub(super) fn open(path: &Path) -> Result<Self, TerrainError> {
         let file = GeoTiff::open(path)?;
         let mut notes = Vec::new();
-        let (coloured, extra) = match file.colour_model()? {
+        let model = file.colour_model()?;
+        let recoloured = matches!(
+            model,
+            ColorModel::Palette { .. }
+                | ColorModel::Grayscale {
+                    white_is_zero: true,
+                    ..
+                }
+        );
+        let is_palette = matches!(model, ColorModel::Palette { .. });
+        let (coloured, extra) = match model {
             ColorModel::Grayscale { extra_samples, .. } => (1, extra_samples),
             ColorModel::Rgb { extra_samples }
             | ColorModel::Palette { extra_samples, .. }
@@ -79,8 +100,15 @@ impl TiffPhoto {
         });
         let nodata = file.header().bands[0]
             .nodata
-            .filter(|value| (0.0..=65_535.0).contains(value) && value.fract() == 0.0)
-            .map(|value| value as u16);
+            .filter(|value| (0.0..=65_535.0).contains(value) && value.fract() == 0.0);
+        let nodata = match nodata {
+            None => Nodata::None,
+            Some(value) if recoloured || file.is_packed() => {
+                let one = is_palette || colours == [0; 3];
+                Nodata::Stored(value, if one { 1 } else { 3 })
+            }
+            Some(value) => Nodata::Decoded(value as u16),
+        };
         let layout = Channels { colours, alpha };
         let mut photo = Self {
             file,
@@ -99,20 +127,20 @@ impl TiffPhoto {
         (CHUNK_BYTES / (header.width * header.bands.len().max(3) as u32 * 2).max(1)).max(1)
     }
 
-    /// The range that holds nearly all samples of a 16-bit photograph.
+    /// The range that holds nearly all samples of a 16-bit photograph's pixels.
     fn find_stretch(&mut self) -> Result<(), TerrainError> {
         let [_, rows] = self.size();
         let mut counts = Counts::new();
         for first in (0..rows).step_by(self.rows_at_once() as usize) {
             let chunk = first..rows.min(first + self.rows_at_once());
-            let colours = self.file.read_colours(chunk)?;
+            let colours = self.file.read_colours(chunk.clone())?;
             let Samples::Sixteen(samples) = colours.samples else {
                 return Ok(());
             };
-            for pixel in samples.chunks_exact(colours.channels) {
-                let colours = self.layout.colours.map(|channel| pixel[channel]);
-                if !colours.iter().all(|&colour| Some(colour) == self.nodata) {
-                    colours.iter().for_each(|&colour| counts.add(colour));
+            let missing = self.missing(&chunk)?;
+            for (pixel, missing) in samples.chunks_exact(colours.channels).zip(missing) {
+                if let Some(colours) = self.colours(pixel).filter(|_| !missing) {
+                    colours.iter().for_each(|&colour| counts.add(colour as u16));
                 }
             }
         }
@@ -122,29 +150,52 @@ impl TiffPhoto {
         Ok(())
     }
 
-    fn pixel<T: Copy + Into<u16>>(&self, channels: &[T]) -> Pixel {
+    /// Which pixels of some rows the file leaves out, masks, or calls none by what it stores.
+    fn missing(&mut self, rows: &Range<u32>) -> Result<Vec<bool>, TerrainError> {
+        let width = self.file.header().width as usize;
+        let mut missing = vec![false; rows.len() * width];
+        if let Nodata::Stored(nodata, colours) = self.nodata {
+            let mut stored = Vec::new();
+            self.file
+                .read_rows(rows.clone(), BandChoice::All, &mut stored)?;
+            let depth = stored.len() / missing.len();
+            for (missing, samples) in missing.iter_mut().zip(stored.chunks_exact(depth)) {
+                *missing = samples.iter().take(colours).all(|&value| value == nodata);
+            }
+        }
+        for (col, row) in self.file.uncovered(rows)? {
+            missing[(row - rows.start) as usize * width + col as usize] = true;
+        }
+        Ok(missing)
+    }
+
+    /// A pixel's colours by its channels; `None` where these make it transparent or none.
+    fn colours<T: Copy + Into<u16>>(&self, channels: &[T]) -> Option<[f32; 3]> {
         let colours = self.layout.colours.map(|channel| channels[channel].into());
-        let full = if self.stretch.is_some() {
-            u16::MAX
-        } else {
-            255
-        };
+        let full = if size_of::<T>() == 1 { 255 } else { u16::MAX };
         let cover = self
             .layout
             .alpha
             .map_or(full, |(channel, _)| channels[channel].into());
-        let missing = self.nodata.is_some() && colours.iter().all(|&c| Some(c) == self.nodata);
-        if missing || cover < full / 2 {
-            return [0; 4];
+        let none = matches!(self.nodata, Nodata::Decoded(none) if colours == [none; 3]);
+        if none || cover < full / 2 {
+            return None;
         }
         let premultiplied = matches!(self.layout.alpha, Some((_, Alpha::Premultiplied)));
-        covered(colours.map(|colour| {
-            let mut colour = f32::from(colour);
+        Some(colours.map(|colour| {
+            let colour = f32::from(colour);
             if premultiplied {
-                colour *= f32::from(full) / f32::from(cover);
+                colour * f32::from(full) / f32::from(cover)
+            } else {
+                colour
             }
-            self.stretch.map_or(colour, |stretch| stretch.shown(colour))
         }))
+    }
+
+    fn pixel<T: Copy + Into<u16>>(&self, channels: &[T]) -> Pixel {
+        let shown = |colour| self.stretch.map_or(colour, |stretch| stretch.shown(colour));
+        self.colours(channels)
+            .map_or([0; 4], |colours| covered(colours.map(shown)))
     }
 }
 
@@ -174,8 +225,10 @@ impl PhotoFile for TiffPhoto {
                     }
                 }
             }
-            for (col, at) in self.file.uncovered(&rows)? {
-                chunk[(at - rows.start) as usize * width + col as usize] = [0; 4];
+            for (pixel, missing) in chunk.iter_mut().zip(self.missing(&rows)?) {
+                if missing {
+                    *pixel = [0; 4];
+                }
             }
         }
         Ok(())

@@ -136,6 +136,16 @@ impl GeoTiff {
             .map_err(|error| tiff_error(&self.path, "its colour tags", &error))
     }
 
+    /// Whether samples are stored in other widths than whole bytes, which colours do not keep.
+    pub(crate) fn is_packed(&self) -> bool {
+        self.ifd()
+            .and_then(|ifd| {
+                ifd.bits_per_sample()
+                    .map_err(|error| tiff_error(&self.path, "its sample sizes", &error))
+            })
+            .is_ok_and(|bits| bits.iter().any(|bits| bits % 8 != 0))
+    }
+
     /// Reads whole rows as colours: channels a pixel, 16-bit samples as they are.
     pub(crate) fn read_colours(&self, rows: Range<u32>) -> Result<Colours, TerrainError> {
         let ifd = self.ifd()?;
