@@ -175,7 +175,11 @@ impl Scaling {
             TerrainError::unsupported(
                 path,
                 format!("has heights in {unit:?}"),
-                format!("say metres with: gdal_edit.py -units m {}", path.display()),
+                format!(
+                    "say how many metres it has, as FACTOR, with: gdal_edit.py -scale FACTOR \
+                     -units m {}",
+                    path.display()
+                ),
             )
         })?;
         if metres != 1.0 {
@@ -194,18 +198,29 @@ impl Scaling {
     }
 }
 
+/// Metres in a unit of heights, however programs spell it: `foot (US)`, `US_survey_foot`.
 fn metres_per_height_unit(unit: &str) -> Option<f64> {
-    Some(match unit.trim().to_ascii_lowercase().as_str() {
+    let words: Vec<_> = unit
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    Some(match words.join(" ").to_lowercase().as_str() {
         "" | "m" | "metre" | "meter" | "metres" | "meters" => 1.0,
         "dm" | "decimetre" | "decimeter" => 0.1,
         "cm" | "centimetre" | "centimeter" => 0.01,
         "mm" | "millimetre" | "millimeter" => 0.001,
         "km" | "kilometre" | "kilometer" => 1000.0,
-        "ft" | "foot" | "feet" | "international foot" => 0.3048,
-        "british foot (1936)" => 0.304_800_749_1,
-        "fathom" => 1.8288,
-        "yard" => 0.9144,
-        "us-ft" | "ftus" | "us survey foot" | "us survey feet" | "sfoot" => 1200.0 / 3937.0,
+        "in" | "inch" | "inches" => 0.0254,
+        "ft" | "foot" | "feet" | "foot international" | "feet international"
+        | "ft international" | "international foot" | "international feet" | "ft int"
+        | "foot int" | "ft intl" | "foot intl" => 0.3048,
+        "us ft" | "ft us" | "ftus" | "usft" | "sfoot" | "sft" | "us foot" | "us feet"
+        | "foot us" | "feet us" | "survey foot" | "survey feet" | "us survey foot"
+        | "us survey feet" | "foot us survey" | "feet us survey" | "u s survey foot"
+        | "u s survey feet" => 1200.0 / 3937.0,
+        "british foot 1936" | "ft br36" => 0.304_800_749_1,
+        "yd" | "yard" | "yards" => 0.9144,
+        "fathom" | "fathoms" | "fath" | "ftm" => 1.8288,
         _ => return None,
     })
 }
@@ -247,4 +262,38 @@ fn read_heights(
         },
     )?;
     Ok((heights, holes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_height_are_known_in_every_spelling() {
+        for (metres, spellings) in [
+            (1.0, &["", "m", " Metre", "meters"][..]),
+            (
+                0.3048,
+                &["ft", "Foot", "feet (international)", "foot (intl)"],
+            ),
+            (
+                1200.0 / 3937.0,
+                &[
+                    "US_survey_foot",
+                    "US survey foot",
+                    "Foot_US",
+                    "foot (US)",
+                    "us-ft",
+                    "ftUS",
+                ],
+            ),
+            (0.9144, &["yd", "Yard"]),
+            (1.8288, &["fathom", "FATHOMS"]),
+        ] {
+            for spelling in spellings {
+                assert_eq!(metres_per_height_unit(spelling), Some(metres), "{spelling}");
+            }
+        }
+        assert_eq!(metres_per_height_unit("furlong"), None);
+    }
 }

@@ -254,6 +254,11 @@ fn what_cannot_be_terrain_is_refused_with_a_remedy() {
         refusal("nowhere"),
         TerrainError::NoGeoreference { .. }
     ));
+    let furlongs = refusal("furlongs").to_string();
+    assert!(
+        furlongs.contains("gdal_edit.py -scale FACTOR -units m"),
+        "{furlongs}"
+    );
     assert!(matches!(
         refusal("all_nodata"),
         TerrainError::AllNodata { cells: 1320, .. }
