@@ -90,6 +90,9 @@ fn truncated_tiffs_are_refused_wherever_they_end() {
             assert!(error.contains("cut.tif"), "{error}");
         }
     }
+    // Of 12 bits, too, of which two samples take three bytes.
+    let whole = std::fs::read(fixtures().join("twelve_bits.tif")).unwrap();
+    message("cut.tif", &whole[..whole.len() - 100], &["beyond"]);
     // Where the data end early, the strip and its byte offset are named.
     let whole = std::fs::read(fixtures().join("int16_strips_none_1.tif")).unwrap();
     message(

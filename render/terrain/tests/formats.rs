@@ -222,6 +222,23 @@ fn a_map_that_is_not_true_to_scale_places_longitudes_and_latitudes_all_the_same(
 }
 
 #[test]
+fn samples_of_twelve_bits_read_as_written() {
+    for name in ["twelve_bits", "twelve_bits_deflate"] {
+        for cell in described(name).samples {
+            let expected = value(2000.0, cell.col, cell.row) as i64;
+            let nodata = in_disc(cell.col, cell.row);
+            assert_eq!(cell.nodata, nodata, "{name}");
+            let expected = SampleValue::Integer(if nodata { 0 } else { expected });
+            assert_eq!(cell.value, expected, "{name} at {}, {}", cell.col, cell.row);
+        }
+    }
+    let (ground, _) = photographed("photo_12");
+    let pixels = &ground.photo().unwrap().pixels;
+    assert_eq!(pixels.post(0, ROWS - 1)[..2], [0, 0]);
+    assert!(pixels.post(COLS - 1, 0)[0] > 250);
+}
+
+#[test]
 fn nodata_counts_without_geographic_tags() {
     let found = described("nowhere_nodata");
     let band = &found.band_info[0];

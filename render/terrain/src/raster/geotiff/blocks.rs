@@ -97,9 +97,14 @@ impl Blocks {
             ));
         }
         let compression = ifd.compression();
-        let packed = ifd
-            .bits_per_sample()
-            .is_ok_and(|bits| bits.first().is_some_and(|&bits| bits < 8));
+        // Samples of other widths than whole bytes, as of 12 bits, lie side by side, row by row.
+        let bits = ifd.bits_per_sample().ok();
+        let bits = bits.and_then(|bits| bits.first().copied()).unwrap_or(0);
+        let row_bytes = if bits % 8 == 0 {
+            bytes / u64::from(height)
+        } else {
+            (u64::from(width) * depth * u64::from(bits)).div_ceil(8)
+        };
         let mut sparse = Vec::new();
         for (index, (&offset, &count)) in offsets.iter().zip(&counts).enumerate() {
             if offset == 0 || count == 0 {
@@ -120,13 +125,13 @@ impl Blocks {
             let down_at =
                 (index as u64 % (u64::from(across) * u64::from(down))) / u64::from(across);
             let left = u64::from(rows) - down_at * u64::from(height);
-            let needed = if tiled {
-                bytes
+            let rows = if tiled {
+                u64::from(height)
             } else {
-                bytes / u64::from(height) * left.min(u64::from(height))
+                left.min(u64::from(height))
             };
+            let needed = row_bytes * rows;
             let most = match compression {
-                1 if packed => u64::MAX,
                 1 => count,
                 5 | 8 | 32_773 | 32_946 => count.saturating_mul(MAX_RATIO).saturating_add(SLACK),
                 _ => u64::MAX,
