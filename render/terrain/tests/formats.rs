@@ -285,6 +285,22 @@ fn what_cannot_be_terrain_is_refused_with_a_remedy() {
     assert_eq!(described("all_nodata").band_info[0].mean, None);
 }
 
+#[test]
+fn a_world_file_lays_a_terrain_that_does_not_say_where_it_lies() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dem.tif");
+    std::fs::copy(fixture("nowhere"), &path).unwrap();
+    let world = "25\n0\n0\n-25\n500012.5\n4000812.5\n";
+    std::fs::write(folder.path().join("dem.tfw"), world).unwrap();
+    let transform = [500_000.0, 25.0, 0.0, 4_000_825.0, 0.0, -25.0];
+    assert_eq!(info(&path, &[]).unwrap().geotransform, Some(transform));
+    let origin = open(&TerrainSource::File(path), None)
+        .unwrap()
+        .georeference
+        .origin;
+    assert_eq!((origin.x, origin.y), (500_012.5, 4_000_012.5));
+}
+
 /// The ground under a photograph, on the same 40 by 33 cells.
 fn photographed(name: &str) -> (Ground, Vec<String>) {
     let source = TerrainSource::File(fixture("int16_tiles_none_1"));

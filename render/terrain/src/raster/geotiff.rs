@@ -3,7 +3,9 @@
 mod blocks;
 mod metadata;
 
-use super::{Band, BandChoice, Header, PixelIs, RasterFile, SampleType, check_size, sidecar};
+use super::{
+    Band, BandChoice, Header, PixelIs, RasterFile, SampleType, WorldFile, check_size, sidecar,
+};
 use crate::crs::{VerticalCrs, crs_from_geo_keys};
 use crate::{Crs, TerrainError};
 use blocks::Blocks;
@@ -111,8 +113,13 @@ impl GeoTiff {
         let blocks = Blocks::check(path, ifd, length, sample.bytes())?;
         let mask = mask(path, tiff.file(), ifd, length)?;
         let mut header = header(path, &tiff, ifd, sample, &blocks)?;
-        if header.crs.is_none() && bytes.is_none() {
-            header.crs = sidecar(path)?;
+        if bytes.is_none() {
+            if header.transform.is_none() {
+                header.transform = WorldFile::beside(path)?.map(|world| world.transform);
+            }
+            if header.crs.is_none() {
+                header.crs = sidecar(path)?;
+            }
         }
         // Rows are read in order, so one row of blocks is all that is worth keeping.
         let row_of_blocks = blocks.row_bytes();
