@@ -145,7 +145,7 @@ pub enum TerrainError {
     /// Photograph and terrain do not share a coordinate reference system.
     #[error(
         "{} has the CRS {photo_crs}, but the terrain has {terrain_crs}: {difference}; \
-         warp the photograph with: gdalwarp -t_srs {target} {} photo.tif", path.display(), path.display()
+         warp the photograph with: {command}", path.display()
     )]
     PhotoCrs {
         /// The photograph.
@@ -156,8 +156,8 @@ pub enum TerrainError {
         terrain_crs: String,
         /// How they differ.
         difference: String,
-        /// What `gdalwarp` would need.
-        target: String,
+        /// What warps it.
+        command: String,
     },
     /// Photograph and terrain lie apart.
     #[error(

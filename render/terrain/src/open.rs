@@ -44,7 +44,7 @@ pub fn open_with_progress(
     };
     if let Some(path) = photo {
         let grid = terrain.ground.grid();
-        let (photo, notes) = read_photo(path, &terrain.georeference, &grid)?;
+        let (photo, notes) = read_photo(path, source, &terrain.georeference, &grid)?;
         terrain.ground = terrain.ground.with_photo(photo);
         terrain.notes.extend(notes);
     }

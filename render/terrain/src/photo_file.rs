@@ -6,7 +6,9 @@ mod stretch;
 mod tiff;
 
 use crate::raster::{WorldFile, check_size, first_bytes, is_tiff, sidecar};
-use crate::{Crs, CrsRelation, Georeference, Grid, Photo, TerrainError, TiledRaster};
+use crate::{
+    Crs, CrsRelation, Georeference, Grid, Photo, TerrainError, TerrainSource, TiledRaster,
+};
 use glam::DVec2;
 use std::path::Path;
 
@@ -34,9 +36,10 @@ struct Place {
     crs: Option<Crs>,
 }
 
-/// Reads a photograph and lays it over a terrain; the second part is what the user should know.
+/// Reads a photograph and lays it over the terrain of a source; the second part is what the user should know.
 pub(crate) fn read_photo(
     path: &Path,
+    source: &TerrainSource,
     terrain: &Georeference,
     grid: &Grid,
 ) -> Result<(Photo, Vec<String>), TerrainError> {
@@ -68,7 +71,15 @@ pub(crate) fn read_photo(
     }
     let edges = edges(path, &place, terrain, grid, [cols, rows], &mut notes)?;
     // Coordinates can be compared once they are known to mean the same.
-    compare_crs(path, place.crs.as_ref(), terrain, edges, grid, &mut notes)?;
+    compare_crs(
+        path,
+        source,
+        place.crs.as_ref(),
+        terrain,
+        edges,
+        grid,
+        &mut notes,
+    )?;
     check_overlap(path, edges, terrain, grid)?;
     let refused = TerrainError::no_memory(path);
     let pixels = TiledRaster::try_from_northern_rows(cols, rows, refused, |first, into| {
@@ -86,6 +97,21 @@ pub(crate) fn read_photo(
         },
         notes,
     ))
+}
+
+/// What warps a photograph into the terrain's system: where no words say what that is, the
+/// terrain's own file does.
+fn warp_command(path: &Path, source: &TerrainSource, ground: &Crs) -> String {
+    let path = path.display();
+    ground.target().map_or_else(
+        || {
+            format!(
+                "gdalsrsinfo -o wkt2 {source} > terrain.wkt && \
+                 gdalwarp -t_srs terrain.wkt {path} photo.tif"
+            )
+        },
+        |target| format!("gdalwarp -t_srs {target} {path} photo.tif"),
+    )
 }
 
 /// West, south, east and north edges of the photograph in the terrain's coordinates.
@@ -210,6 +236,7 @@ fn degrees((crs, [west, south, east, north]): (&Crs, [f64; 4])) -> Option<[f64; 
 /// Accepts a photograph whose coordinates mean what the terrain's do, within one cell.
 fn compare_crs(
     path: &Path,
+    source: &TerrainSource,
     photo: Option<&Crs>,
     terrain: &Georeference,
     [west, south, east, north]: [f64; 4],
@@ -268,6 +295,6 @@ fn compare_crs(
         photo_crs: photo.to_string(),
         terrain_crs: ground.to_string(),
         difference,
-        target: ground.target(),
+        command: warp_command(path, source, ground),
     })
 }

@@ -376,6 +376,27 @@ fn a_photograph_of_the_same_place_in_another_system_is_to_be_warped() {
 }
 
 #[test]
+fn a_system_without_words_is_taken_from_the_terrains_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [grid, photo] = ["dem.asc", "photo.png"].map(|name| folder.path().join(name));
+    std::fs::write(&grid, format!("{GRID}1 2 3\n4 -9 6\n")).unwrap();
+    std::fs::write(&photo, png()).unwrap();
+    let system = UTM.replace("CENTRAL", "3");
+    std::fs::write(folder.path().join("photo.prj"), &system).unwrap();
+    let bonne = system.replace("Transverse_Mercator", "Bonne");
+    std::fs::write(folder.path().join("dem.prj"), bonne).unwrap();
+    std::fs::write(folder.path().join("photo.pgw"), "2\n0\n0\n-2\n11\n29\n").unwrap();
+    let error = open(&TerrainSource::File(grid), Some(&photo)).unwrap_err();
+    let error = error.to_string();
+    for part in [
+        "gdalsrsinfo -o wkt2",
+        "dem.asc > terrain.wkt && gdalwarp -t_srs terrain.wkt",
+    ] {
+        assert!(error.contains(part), "{part:?} is not in: {error}");
+    }
+}
+
+#[test]
 fn longitudes_from_another_meridian_are_to_be_turned() {
     let folder = tempfile::tempdir().unwrap();
     let [grid, photo] = ["dem.asc", "photo.png"].map(|name| folder.path().join(name));

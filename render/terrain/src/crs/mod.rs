@@ -72,16 +72,26 @@ impl Crs {
         self.projection.is_none()
     }
 
-    /// How `gdalwarp` is told of this system: its EPSG code, else a PROJ string.
+    /// How `gdalwarp` is told of this system: its EPSG code, else a PROJ string in its own unit;
+    /// `None` where the method has no word there.
     #[must_use]
-    pub fn target(&self) -> String {
-        self.epsg.map_or_else(
-            || {
-                self.proj_string()
-                    .map_or_else(|| "TERRAIN.prj".into(), |text| format!("'{text}'"))
-            },
-            |code| format!("EPSG:{code}"),
-        )
+    pub fn target(&self) -> Option<String> {
+        if let Some(code) = self.epsg {
+            return Some(format!("EPSG:{code}"));
+        }
+        let text = self.proj_string()?;
+        let unit = self
+            .projection
+            .as_ref()
+            .map_or(1.0, |own| own.metres_per_unit);
+        Some(if unit == 1.0 {
+            format!("'{text}'")
+        } else {
+            format!(
+                "'{}'",
+                text.replace("+units=m", &format!("+to_meter={unit}"))
+            )
+        })
     }
 
     /// The zone and hemisphere ('N' or 'S'), where this is a UTM system.
@@ -242,6 +252,18 @@ mod tests {
         assert!((feet.metres_per_unit - 1200.0 / 3937.0).abs() < 1e-12);
         // False origins are kept in metres, whatever the coordinates' unit.
         assert!((feet.parameters["false_easting"] - 2_000_000.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_target_without_a_code_has_the_systems_own_unit() {
+        let mut feet = Crs::from_epsg(2230).unwrap();
+        assert_eq!(feet.target().as_deref(), Some("EPSG:2230"));
+        feet.epsg = None;
+        let target = feet.target().unwrap();
+        assert!(target.contains("+to_meter=0.30480060"), "{target}");
+        assert!(!target.contains("+units"), "{target}");
+        feet.projection = Some(Projection::new("Bonne", [], 1.0));
+        assert_eq!(feet.target(), None);
     }
 
     #[test]
