@@ -90,7 +90,11 @@ pub(crate) fn terrain_from_raster(
         ));
     }
     let scaling = Scaling::of(path, &header, &mut notes)?;
-    let (mut heights, holes) = read_heights(path, raster, &header, &scaling, progress)?;
+    let Heights {
+        mut heights,
+        holes,
+        stored,
+    } = read_heights(path, raster, &header, &scaling, progress)?;
     let cells = u64::from(header.width) * u64::from(header.height);
     if holes == cells {
         return Err(TerrainError::AllNodata {
@@ -98,6 +102,7 @@ pub(crate) fn terrain_from_raster(
             cells,
         });
     }
+    notes.extend(unlikely_height(path, &header, &scaling, stored));
     let holes = if holes == 0 {
         None
     } else {
@@ -225,19 +230,68 @@ fn metres_per_height_unit(unit: &str) -> Option<f64> {
     })
 }
 
-/// Heights in metres, NaN where there is none, and how many there are of those.
+/// What a raster's first band holds.
+struct Heights {
+    /// Metres, NaN where there is none.
+    heights: TiledRaster<f32>,
+    /// How many there are of those.
+    holes: u64,
+    /// Lowest and highest of the others, as stored.
+    stored: [f64; 2],
+}
+
+/// Remarks on a lowest or highest value that marks missing heights in many files, or that no place
+/// on Earth has.
+fn unlikely_height(
+    path: &Path,
+    header: &Header,
+    scaling: &Scaling,
+    [low, high]: [f64; 2],
+) -> Option<String> {
+    const MARKS: [f64; 4] = [-9999.0, -99_999.0, -32_767.0, -32_768.0];
+    /// Beyond any mountain and any trench.
+    const METRES: f64 = 12_000.0;
+    let unlikely = |value: f64| {
+        MARKS.contains(&value) || (value * scaling.scale + scaling.offset).abs() > METRES
+    };
+    let (end, value) = [("lowest", low), ("highest", high)]
+        .into_iter()
+        .find(|&(_, value)| unlikely(value))?;
+    let value = if value.abs() < 1e15 {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    };
+    let path = path.display();
+    let remedy = match header.bands[0].nodata {
+        None if header.driver == "AAIGrid" => {
+            format!("add the line NODATA_value {value} to the header of {path}")
+        }
+        None => format!("say so with: gdal_edit.py -a_nodata {value} {path}"),
+        Some(nodata) => format!(
+            "bring both together with: gdalwarp -srcnodata {value} -dstnodata {nodata} {path} \
+             terrain.tif"
+        ),
+    };
+    Some(format!(
+        "the {end} value, {value}, is taken for a height, but is unlikely to be one; if it stands \
+         for none, {remedy}"
+    ))
+}
+
 fn read_heights(
     path: &Path,
     raster: &mut dyn RasterFile,
     header: &Header,
     scaling: &Scaling,
     progress: &dyn Fn(f32),
-) -> Result<(TiledRaster<f32>, u64), TerrainError> {
+) -> Result<Heights, TerrainError> {
     let nodata = header.bands[0].nodata;
     let at_once = header.rows_at_once();
     let width = header.width as usize;
     let mut stored = Vec::new();
     let mut holes = 0;
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     let refused = TerrainError::no_memory(path);
     let heights = TiledRaster::try_from_northern_rows(
         header.width,
@@ -253,6 +307,8 @@ fn read_heights(
                     if header.sample.is_nodata(value, nodata) || !height.is_finite() {
                         *height = f32::NAN;
                         holes += 1;
+                    } else {
+                        range = [range[0].min(value), range[1].max(value)];
                     }
                 }
                 row += rows;
@@ -261,7 +317,11 @@ fn read_heights(
             Ok::<(), TerrainError>(())
         },
     )?;
-    Ok((heights, holes))
+    Ok(Heights {
+        heights,
+        holes,
+        stored: range,
+    })
 }
 
 #[cfg(test)]

@@ -206,6 +206,16 @@ fn an_ascii_grid_may_be_laid_out_in_any_way() {
 }
 
 #[test]
+fn an_ascii_grid_without_a_nodata_line_is_asked_for_one() {
+    let head = GRID.replace("NODATA_value -9\n", "");
+    let grid = format!("{head}1 2 3\n4 -9999 6\n");
+    let terrain = open_bytes("dem.asc", grid.as_bytes()).unwrap();
+    assert_eq!(terrain.ground.range()[0], -9999.0);
+    let notes = terrain.notes.join("\n");
+    assert!(notes.contains("the line NODATA_value -9999"), "{notes}");
+}
+
+#[test]
 fn a_wrong_line_of_an_ascii_grid_is_named() {
     let grid = |rows: &str| format!("{GRID}{rows}").into_bytes();
     message(

@@ -239,6 +239,22 @@ fn samples_of_twelve_bits_read_as_written() {
 }
 
 #[test]
+fn values_that_seem_to_stand_for_none_are_remarked_on() {
+    let said = |name: &str| terrain(name).notes.join("\n");
+    let notes = said("untagged");
+    for part in ["lowest value, -32768", "gdal_edit.py -a_nodata -32768"] {
+        assert!(notes.contains(part), "{part:?} is not in: {notes}");
+    }
+    // These fixtures' own values are beyond any height; the tag's is none of them.
+    let notes = said("uint16_strips_none_1");
+    let advice = "gdalwarp -srcnodata 40000 -dstnodata 65535";
+    assert!(notes.contains(advice), "{notes}");
+    for name in ["int16_strips_none_1", "float32_strips_none_1"] {
+        assert!(!said(name).contains("unlikely"), "{name}");
+    }
+}
+
+#[test]
 fn nodata_counts_without_geographic_tags() {
     let found = described("nowhere_nodata");
     let band = &found.band_info[0];
