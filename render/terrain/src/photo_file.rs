@@ -82,9 +82,20 @@ pub(crate) fn read_photo(
     )?;
     check_overlap(path, edges, terrain, grid)?;
     let refused = TerrainError::no_memory(path);
+    let mut is_seen = false;
     let pixels = TiledRaster::try_from_northern_rows(cols, rows, refused, |first, into| {
-        file.read_rows(first, into)
+        file.read_rows(first, into)?;
+        is_seen |= into.iter().any(|pixel| pixel[3] != 0);
+        Ok::<(), TerrainError>(())
     })?;
+    if !is_seen {
+        notes.push(format!(
+            "nothing is seen of the photograph: each of its pixels is transparent, masked or \
+             nodata (without the last band, where that is a wrong alpha: gdal_translate -b 1 -b 2 \
+             -b 3 {} photo.tif)",
+            path.display()
+        ));
+    }
     let [west, south, east, north] = edges;
     let south_west = terrain.world_from_crs(DVec2::new(west, south));
     let extent = terrain.world_from_crs(DVec2::new(east, north)) - south_west;

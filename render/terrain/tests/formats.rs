@@ -403,6 +403,18 @@ fn pixels_that_are_not_there_count_in_no_stretch() {
 }
 
 #[test]
+fn a_photograph_of_which_nothing_is_seen_is_remarked_on() {
+    let (ground, notes) = photographed("photo_16_faint");
+    assert_eq!(ground.photo().unwrap().pixels.post(3, 3), [0; 4]);
+    let notes = notes.join("\n");
+    for part in ["nothing is seen", "gdal_translate -b 1 -b 2 -b 3"] {
+        assert!(notes.contains(part), "{part:?} is not in: {notes}");
+    }
+    let (_, notes) = photographed("photo_16_alpha");
+    assert!(!notes.join("\n").contains("nothing is seen"));
+}
+
+#[test]
 fn nodata_of_a_palette_is_an_index_and_no_colour() {
     let (ground, _) = photographed("photo_palette");
     let photo = ground.photo().unwrap();
