@@ -25,8 +25,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(path) = &args.path {
         return track::render(args, path, view_file.as_ref(), &caster);
     }
-    let view_file = view_file.ok_or_else(|| usage("a view file is needed: --view FILE"))?;
-    let views = views(&view_file, args.stereo).map_err(usage)?;
+    let (path, view_file) = args
+        .view
+        .as_deref()
+        .zip(view_file)
+        .ok_or_else(|| usage("a view file is needed: --view FILE"))?;
+    let views = views(&view_file, args.stereo)
+        .map_err(|error| usage(format_args!("in the view file {}: {error}", path.display())))?;
     let open = scene::open(&args.terrain)?;
     let pool = CastPool::new(args.threads)
         .context("cannot start the casting threads")?

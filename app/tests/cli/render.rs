@@ -68,7 +68,10 @@ fn two_eyes_need_a_view_that_says_where_they_are() {
     folder.write("v.toml", above([15_000.0, 15_000.0, 5000.0]));
     for mode in ["anaglyph", "side-by-side", "top-bottom"] {
         let refused = folder.run(&format!("render --view v.toml --stereo {mode} -o i.png"));
-        refused.failed(2, &["no `stereo`", "separation", "screen_distance"]);
+        refused.failed(
+            2,
+            &["v.toml", "no `stereo`", "separation", "screen_distance"],
+        );
     }
     assert_eq!(folder.names(), ["v.toml"]);
 }

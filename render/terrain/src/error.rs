@@ -64,7 +64,22 @@ pub enum TerrainError {
         /// What to do instead.
         remedy: String,
     },
-    /// A size that no memory here is meant for, or too small to be terrain.
+    /// Too few columns or rows for what the file is to be.
+    #[error(
+        "{} has {cols} columns by {rows} rows, but {needed}; take a larger part of what it was cut \
+         from", path.display()
+    )]
+    TooSmall {
+        /// The file.
+        path: PathBuf,
+        /// Columns it has.
+        cols: u64,
+        /// Rows it has.
+        rows: u64,
+        /// What it needs.
+        needed: &'static str,
+    },
+    /// A size that no memory here is meant for.
     #[error(
         "{} announces {cols} columns by {rows} rows, but {limit}; \
          check the header, or cut a part out with: gdal_translate -srcwin 0 0 8192 8192 {} part.tif",

@@ -70,11 +70,11 @@ pub(crate) fn terrain_from_raster(
 ) -> Result<Terrain, TerrainError> {
     let header = raster.header().clone();
     if header.width < 2 || header.height < 2 {
-        return Err(TerrainError::Size {
+        return Err(TerrainError::TooSmall {
             path: path.to_owned(),
             cols: header.width.into(),
             rows: header.height.into(),
-            limit: "a terrain needs at least 2 by 2 posts".into(),
+            needed: "a terrain needs at least 2 by 2 posts",
         });
     }
     let georeference = Georeference::of(path, &header)?;

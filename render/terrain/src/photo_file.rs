@@ -52,11 +52,11 @@ pub(crate) fn read_photo(
     let [cols, rows] = file.size();
     check_size(path, cols.into(), rows.into())?;
     if cols < 2 || rows < 2 {
-        return Err(TerrainError::Size {
+        return Err(TerrainError::TooSmall {
             path: path.to_owned(),
             cols: cols.into(),
             rows: rows.into(),
-            limit: "a photograph needs at least 2 by 2 pixels".into(),
+            needed: "a photograph needs at least 2 by 2 pixels",
         });
     }
     let mut notes = file.notes();

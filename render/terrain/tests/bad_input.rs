@@ -240,12 +240,12 @@ fn a_wrong_line_of_an_ascii_grid_is_named() {
     message(
         "dem.asc",
         b"ncols 3\nnrows 2.5\nxllcorner 0\nyllcorner 0\ncellsize 1\n",
-        &["nrows is 2.5"],
+        &["line 2", "nrows is 2.5"],
     );
     message(
         "dem.asc",
         b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize -1\n1 2 3 4 5 6",
-        &["above 0"],
+        &["line 5", "cellsize is -1", "above 0"],
     );
     message(
         "dem.asc",
@@ -254,9 +254,16 @@ fn a_wrong_line_of_an_ascii_grid_is_named() {
     );
     message(
         "dem.asc",
-        b"ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3",
-        &["2 by 2"],
+        b"ncols -4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1",
+        &["line 1", "ncols is -4"],
     );
+    let small = message(
+        "dem.asc",
+        b"ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3",
+        &["2 by 2", "larger part"],
+    );
+    // There is nothing to cut out of it.
+    assert!(!small.contains("-srcwin"), "{small}");
 }
 
 #[test]

@@ -287,6 +287,10 @@ fn what_cannot_be_terrain_is_refused_with_a_remedy() {
         refusal("nowhere"),
         TerrainError::NoGeoreference { .. }
     ));
+    for name in ["half_float", "complex"] {
+        let error = refusal(name).to_string();
+        assert!(error.contains("gdal_translate -ot Float32"), "{error}");
+    }
     let furlongs = refusal("furlongs").to_string();
     assert!(
         furlongs.contains("gdal_edit.py -scale FACTOR -units m"),

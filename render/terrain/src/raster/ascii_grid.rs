@@ -264,7 +264,7 @@ impl Keys {
         let path = words.path.clone();
         let value = words.next()?;
         let error = |problem| TerrainError::AsciiGrid {
-            path,
+            path: path.clone(),
             line: key.line,
             problem,
         };
@@ -274,13 +274,21 @@ impl Keys {
         let number = value
             .number()
             .filter(|number| number.is_finite() || name.starts_with("nodata"));
-        slot(number.ok_or_else(|| {
+        let number = number.ok_or_else(|| {
             error(format!(
                 "{:?} is not a number, as {} needs",
                 value.text, key.text
             ))
-        })?);
-        Ok(())
+        })?;
+        let wanted = match name.as_str() {
+            "ncols" | "nrows" if number < 1.0 || number.fract() != 0.0 => "a whole number from 1",
+            "cellsize" | "dx" | "dy" if number <= 0.0 => "above 0",
+            _ => {
+                slot(number);
+                return Ok(());
+            }
+        };
+        Err(error(format!("{name} is {number}, but must be {wanted}")))
     }
 
     fn header(&self, path: &Path, line: u64) -> Result<Header, TerrainError> {
@@ -292,24 +300,8 @@ impl Keys {
             })
         };
         let (cols, rows) = (need(self.cols, "ncols")?, need(self.rows, "nrows")?);
-        for (key, value) in [("ncols", cols), ("nrows", rows)] {
-            if value < 1.0 || value.fract() != 0.0 {
-                return Err(TerrainError::AsciiGrid {
-                    path: path.to_owned(),
-                    line,
-                    problem: format!("{key} is {value}, but must be a whole number from 1"),
-                });
-            }
-        }
         check_size(path, cols as u64, rows as u64)?;
         let (dx, dy) = (need(self.dx, "cellsize")?, need(self.dy, "cellsize or dy")?);
-        if !(dx > 0.0 && dy > 0.0) {
-            return Err(TerrainError::AsciiGrid {
-                path: path.to_owned(),
-                line,
-                problem: format!("cells of {dx} by {dy} have no extent; cellsize must be above 0"),
-            });
-        }
         let corner = |place: Option<(f64, bool)>, step: f64, key| {
             let (value, centre) = (
                 place.map(|place| place.0),

@@ -463,10 +463,19 @@ fn rows_place(rows: &Range<u32>) -> String {
 fn tiff_error(path: &Path, place: &str, error: &tiff_reader::TiffError) -> TerrainError {
     use tiff_reader::TiffError as E;
     match error {
+        // Half floats and complex numbers, which stay what they are unless told otherwise.
+        E::UnsupportedBitsPerSample(_) | E::UnsupportedSampleFormat(_) => {
+            TerrainError::unsupported(
+                path,
+                format!("has samples of another kind than is built in ({error})"),
+                format!(
+                    "convert it with: gdal_translate -ot Float32 {} converted.tif",
+                    path.display()
+                ),
+            )
+        }
         E::UnsupportedCompression(_)
         | E::UnsupportedPredictor(_)
-        | E::UnsupportedBitsPerSample(_)
-        | E::UnsupportedSampleFormat(_)
         | E::UnsupportedPlanarConfiguration(_)
         | E::TypeMismatch { .. }
         | E::UnsupportedVersion(_) => TerrainError::unsupported(

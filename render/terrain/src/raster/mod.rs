@@ -270,9 +270,15 @@ pub(crate) fn first_bytes(path: &Path) -> Result<(Vec<u8>, u64), TerrainError> {
 
 /// Refuses sizes that are no terrain or that no memory here is meant for.
 pub(crate) fn check_size(path: &Path, cols: u64, rows: u64) -> Result<(), TerrainError> {
-    let limit = if cols < 1 || rows < 1 {
-        "there must be at least one of each".to_owned()
-    } else if cols > MAX_SIDE || rows > MAX_SIDE {
+    if cols < 1 || rows < 1 {
+        return Err(TerrainError::TooSmall {
+            path: path.to_owned(),
+            cols,
+            rows,
+            needed: "there must be at least one of each",
+        });
+    }
+    let limit = if cols > MAX_SIDE || rows > MAX_SIDE {
         format!("a side of at most {MAX_SIDE} is read")
     } else if cols * rows > MAX_CELLS {
         format!("at most {MAX_CELLS} cells are read")

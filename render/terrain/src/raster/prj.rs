@@ -29,7 +29,7 @@ pub(crate) fn sidecar(raster: &Path) -> Result<Option<Crs>, TerrainError> {
         .map_err(|error| TerrainError::Sidecar {
             problem: error.to_string(),
             remedy: format!(
-                "write it anew with: gdalsrsinfo -o wkt1_esri EPSG:CODE > {}",
+                "write it anew with: gdalsrsinfo -o wkt_esri EPSG:CODE > {}",
                 path.display()
             ),
             path,
