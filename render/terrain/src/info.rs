@@ -44,6 +44,8 @@ pub struct FileInfo {
     pub band_info: Vec<BandInfo>,
     /// The cells that were asked for.
     pub samples: Vec<Sample>,
+    /// What the user should know, such as guesses made.
+    pub notes: Vec<String>,
 }
 
 /// A rectangle in a file's coordinates.
@@ -193,6 +195,7 @@ fn describe(
         extent_outer_pixel_edges: extent,
         band_info,
         samples,
+        notes: header.notes.clone(),
     }
 }
 

@@ -169,6 +169,18 @@ fn scale_offset_and_feet_are_applied_and_said() {
 }
 
 #[test]
+fn a_description_says_scale_offset_and_guesses() {
+    let text = described("feet").to_string();
+    assert!(text.contains("multiplied by 0.1, then 10 added"), "{text}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dem.asc");
+    let grid = "ncols 2\nnrows 2\nxllcorner 7\nyllcorner 46\ncellsize 0.1\n1 2 3 4\n";
+    std::fs::write(&path, grid).unwrap();
+    let text = info(&path, &[]).unwrap().to_string();
+    assert!(text.contains("note         no .prj lies beside"), "{text}");
+}
+
+#[test]
 fn coordinates_in_survey_feet_become_metres() {
     let spacing = terrain("us_feet").ground.grid().spacing;
     assert!(

@@ -63,10 +63,17 @@ impl fmt::Display for FileInfo {
                 ", {} valid, {} without a value",
                 band.valid, band.invalid
             )?;
-            match band.nodata {
-                Some(nodata) => writeln!(f, " (nodata {nodata})")?,
-                None => writeln!(f)?,
+            if let Some(nodata) = band.nodata {
+                write!(f, " (nodata {nodata})")?;
             }
+            let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+            if (scale, offset) != (1.0, 0.0) {
+                write!(
+                    f,
+                    "; as stored, to be multiplied by {scale}, then {offset} added"
+                )?;
+            }
+            writeln!(f)?;
         }
         for sample in &self.samples {
             write!(f, "cell {},{}", sample.col, sample.row)?;
@@ -75,6 +82,9 @@ impl fmt::Display for FileInfo {
             }
             let nodata = if sample.nodata { " (nodata)" } else { "" };
             writeln!(f, ": {}{nodata}", sample.value)?;
+        }
+        for note in &self.notes {
+            writeln!(f, "note         {note}")?;
         }
         Ok(())
     }
