@@ -150,7 +150,7 @@ impl GeoTiff {
                 ifd.bits_per_sample()
                     .map_err(|error| tiff_error(&self.path, "its sample sizes", &error))
             })
-            .is_ok_and(|bits| bits.iter().any(|bits| bits % 8 != 0))
+            .is_ok_and(|bits| bits.iter().any(|bits| !bits.is_multiple_of(8)))
     }
 
     /// Reads whole rows as colours: channels a pixel, 16-bit samples as they are.

@@ -100,7 +100,7 @@ impl Blocks {
         // Samples of other widths than whole bytes, as of 12 bits, lie side by side, row by row.
         let bits = ifd.bits_per_sample().ok();
         let bits = bits.and_then(|bits| bits.first().copied()).unwrap_or(0);
-        let row_bytes = if bits % 8 == 0 {
+        let row_bytes = if bits.is_multiple_of(8) {
             bytes / u64::from(height)
         } else {
             (u64::from(width) * depth * u64::from(bits)).div_ceil(8)
