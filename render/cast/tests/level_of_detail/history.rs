@@ -53,3 +53,58 @@ fn what_was_cast_before_changes_nothing() {
         assert!(image[0].depth == alone.depth, "depths of view {k}");
     }
 }
+
+/// Where the ground's corners are seen from beside it, in narrow images, too: pixels ask planes beside their own.
+#[test]
+fn corners_look_the_same_after_another_view() {
+    let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.1;
+    let scene = Scene::new(Ground::from_fn(65, 65, DVec2::ONE, rough).expect("a sound grid"));
+    let before = Camera {
+        eye: DVec3::new(32.0, -50.0, 60.0),
+        attitude: Attitude {
+            yaw: 0.0,
+            pitch: -0.5,
+            roll: 0.3,
+        },
+        horizontal_fov: 1.2,
+    }
+    .view([300, 200]);
+    let caster = caster_by_name(Planes::WITH_DETAIL).expect("there is one");
+    let prepared = caster.prepare(scene).expect("suits");
+    let pool = CastPool::new(1).expect("a thread");
+    let (mut image, mut alone) = ([Image::default()], [Image::default()]);
+    for k in 0..120_u32 {
+        let share = |by: f64| (by * f64::from(k + 1)).fract();
+        let far = 80.0 + 3000.0 * share(0.271).powi(2);
+        let (s, c) = (6.283 * share(0.618_034)).sin_cos();
+        let eye = DVec3::new(
+            32.0 + far * c,
+            32.0 + far * s,
+            20.0 + 0.8 * far * share(0.37),
+        );
+        let way = DVec3::new(32.0, 32.0, 0.0) - eye;
+        let view = Camera {
+            eye,
+            attitude: Attitude {
+                yaw: way.x.atan2(way.y),
+                pitch: way.z.atan2(way.truncate().length()),
+                roll: 6.283 * share(0.414),
+            },
+            horizontal_fov: (97.5 / far).min(1.8),
+        }
+        .view([[160, 120], [1, 150], [200, 3], [17, 90]][k as usize % 4]);
+        let other_thread = CastPool::new(1).expect("a thread");
+        let accepted = "accepted";
+        other_thread
+            .cast(&*prepared, &[view], &mut alone)
+            .expect(accepted);
+        pool.cast(&*prepared, &[before], &mut image)
+            .expect(accepted);
+        pool.cast(&*prepared, &[view], &mut image).expect(accepted);
+        assert!(
+            image[0].colour() == alone[0].colour(),
+            "colours of view {k}"
+        );
+        assert!(image[0].depth == alone[0].depth, "depths of view {k}");
+    }
+}

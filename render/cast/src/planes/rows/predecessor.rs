@@ -1,7 +1,7 @@
 //! From which ray before it a ray may begin.
 
 use super::March;
-use super::directions::Directions;
+use super::directions::{Directions, STEEP};
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::sectors::WHOLE;
@@ -58,7 +58,7 @@ fn further(steepest: Steep, [a, b]: [DVec3; 2], to: DVec3, room: f64) -> f64 {
 /// them.
 pub(super) struct Runs<const N: usize> {
     pub(super) first: [i32; N],
-    pub(super) last: [i32; N],
+    last: [i32; N],
     aside: [f64; N],
     gradient: [f64; N],
 }
@@ -143,6 +143,8 @@ impl<L: Lanes> March<'_, L> {
         let higher = |end: DVec3, to: DVec3| end.z * to.x - to.z * end.x;
         // Rays that enter the ground from its side must do so no earlier.
         let may_enter_earlier = self.bounds[1][0] <= 0.0;
+        // Rays with less along the major axis are cast as if they had that much, all with one slope.
+        let least_major = 1.001 * STEEP * self.frame.rays.first.length();
         let mut found = Predecessors {
             steps: [0.0; N],
             lanes: [0.0; N],
@@ -163,7 +165,9 @@ impl<L: Lanes> March<'_, L> {
                     let aside = end.y * to.x - to.y * end.x;
                     let least = higher(end, to) - 1.001 * runs.aside[k] * aside.abs();
                     room = if least < room { least } else { room };
-                    sound &= (may_enter_earlier | (aside <= 0.0)) & (end.x + to.x > 0.0);
+                    sound &= (may_enter_earlier | (aside <= 0.0))
+                        & (end.x > least_major)
+                        & (end.x + to.x > least_major);
                 }
                 let is_new = sound & (room >= 0.0) & (found.steps[k] == 0.0);
                 found.steps[k] = if is_new { back } else { found.steps[k] };

@@ -203,8 +203,9 @@ impl<L: Lanes> March<'_, L> {
             let aside = ends.map(|lane| back * (towards[0] + f64::from(lane) * towards[1]));
             let low = (aside[0].min(aside[1]) + ASIDE).floor();
             let high = (aside[0].max(aside[1]) - ASIDE).ceil();
-            let is_sound = directions.iter().all(|d| {
-                [low, high].into_iter().all(|lanes| {
+            // Whether the ray so many lanes aside is so much lower than all of them.
+            let is_sound = |lanes: f64| {
+                directions.iter().all(|d| {
                     let to = lanes * v - back * u;
                     let before = d + to;
                     let higher = d.z * to.x - to.z * d.x;
@@ -217,7 +218,7 @@ impl<L: Lanes> March<'_, L> {
                         && higher >= 1.001 * steepest * aside.abs()
                         && apart * major_end < extent * before.x * nearer
                 })
-            });
+            };
             let lanes = [low as i32, high as i32];
             let before = step - steps;
             let lanes_before = scratch.lanes[before as usize % MEMORY];
@@ -227,11 +228,19 @@ impl<L: Lanes> March<'_, L> {
                 ends[1] + lanes[1] <= lanes_before[1],
             ];
             let edges = [lanes_before[0], lanes_before[1] - 1];
+            let is_there = [
+                lanes_before[0] <= ends[0] + lanes[0],
+                ends[1] + lanes[1] < lanes_before[1],
+            ];
+            // Where low and high are one, the edge is neither, and has to be lower, too.
+            let beside = [low + 1.0, high - 1.0];
             let alone = [0, 1].map(|k| {
                 let edge = self.directions.at(before, edges[k]);
-                is_next[k] && self.surrounds_alone(edge, directions[k])
+                is_next[k]
+                    && self.surrounds_alone(edge, directions[k])
+                    && (is_there[k] || is_sound(beside[k]))
             });
-            is_sound.then_some(Surrounding {
+            (is_sound(low) && is_sound(high)).then_some(Surrounding {
                 steps,
                 lanes,
                 alone,

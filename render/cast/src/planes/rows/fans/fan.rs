@@ -51,15 +51,17 @@ impl Fan {
         if least > most {
             return fan;
         }
-        // No pixel lies before the second plane, however numbers are rounded.
-        fan.first = (least - 1.01) * fan.apart;
-        fan.seen = vec![[to, from]; (most - least) as usize + 4];
+        // No pixel lies before the third plane, however numbers are rounded.
+        fan.first = (least - 2.01) * fan.apart;
+        fan.seen = vec![[to, from]; (most - least) as usize + 6];
         // Steps see one run of planes each, and the ends of these runs go one way and back at most.
         let mut before = 0..0;
         for (step, &[from, to]) in (fan.from..to).zip(&fan.lanes) {
+            // And one more on each side: where the ground's corner lies between two planes, pixels ask the one
+            // on its other side.
             let planes = if from < to {
-                fan.plane(step, f64::from(from)) as usize
-                    ..fan.plane(step, f64::from(to - 1)) as usize + 2
+                fan.plane(step, f64::from(from)) as usize - 1
+                    ..fan.plane(step, f64::from(to - 1)) as usize + 3
             } else {
                 0..0
             };
