@@ -350,6 +350,31 @@ fn a_turned_bit_never_gives_another_pose() {
 }
 
 #[test]
+fn a_recording_damaged_before_its_rig_is_to_be_copied_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "fl.mcap");
+    record(&path, &reads(&Rig::builtin("workbench").unwrap(), 12));
+    let whole = std::fs::read(&path).unwrap();
+    // Within the first chunk, and before it.
+    let mut turned = whole.clone();
+    turned[200] ^= 1;
+    for (bytes, says) in [(&turned[..], "the chunk at byte"), (&whole[..20], "byte 8")] {
+        std::fs::write(&path, bytes).unwrap();
+        let error = Replay::open(&path).unwrap_err();
+        assert!(
+            matches!(error, ReplayError::DamagedBeginning { .. }),
+            "{error}"
+        );
+        let said = error.to_string();
+        assert!(said.contains("fl.mcap") && said.contains(says), "{said}");
+        assert!(
+            said.contains("; copy the file again from where it was recorded"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn what_is_no_recording_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in [("empty", &b""[..]), ("text", b"hello, this is text")] {

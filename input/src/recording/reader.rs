@@ -39,6 +39,16 @@ pub enum ReplayError {
         /// Where it breaks off, if it does.
         cut: String,
     },
+    /// It breaks off, or is damaged, before its first message, which is the rig.
+    #[error(
+        "the beginning of the recording {path:?} is damaged, where its rig stands: {damage}; copy the file again from where it was recorded, or name another that `sandtable record` wrote"
+    )]
+    DamagedBeginning {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// Where, and what is wrong there.
+        damage: String,
+    },
     /// Its rig is not one.
     #[error("the rig in {path:?} cannot be used: {source}")]
     BadRig {

@@ -89,9 +89,13 @@ impl Replay {
             }
         }
         let Some(found) = rig else {
-            return Err(ReplayError::NoRig {
-                path: path.to_owned(),
-                cut: read.cut.map_or(String::new(), |cut| format!(": {cut}")),
+            let path = path.to_owned();
+            return Err(match read.cut {
+                Some(damage) if start.is_none() => ReplayError::DamagedBeginning { path, damage },
+                cut => ReplayError::NoRig {
+                    path,
+                    cut: cut.map_or(String::new(), |cut| format!(": {cut}")),
+                },
             });
         };
         let file = format!("the rig in {}", path.display());
