@@ -4,6 +4,7 @@ use crate::Sample;
 use crate::data_glove::DataGloveStream;
 use crate::dtrack::DtrackStream;
 use crate::flock::FlockStream;
+use crate::gate::Refusal;
 use crate::hid_glove::HidGloveStream;
 use crate::pinch::PinchStream;
 use crate::vrpn::VrpnStream;
@@ -55,8 +56,10 @@ pub struct StreamCounts {
     pub foreign_records: u64,
     /// Records that are none: a quaternion that is not of length 1, a count that is not so.
     pub implausible: u64,
-    /// Records that jumped, or that no other record vouched for.
+    /// Records that jumped, or that came late or twice.
     pub refused: u64,
+    /// Records that were the first after a silence, which are believed only with a second one.
+    pub alone: u64,
     /// Samples let out.
     pub samples: u64,
 }
@@ -73,7 +76,15 @@ impl StreamCounts {
             foreign_records: self.foreign_records - earlier.foreign_records,
             implausible: self.implausible - earlier.implausible,
             refused: self.refused - earlier.refused,
+            alone: self.alone - earlier.alone,
             samples: self.samples - earlier.samples,
+        }
+    }
+
+    pub(crate) fn refuse(&mut self, refusal: Refusal) {
+        match refusal {
+            Refusal::Jump => self.refused += 1,
+            Refusal::Alone => self.alone += 1,
         }
     }
 }

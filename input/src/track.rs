@@ -1,6 +1,6 @@
 //! Tracks: what is remembered of one sensor from one record to the next.
 
-use crate::gate::{Gate, GateLimits};
+use crate::gate::{Gate, GateLimits, Refusal};
 use sandtable_pose::{Nanos, Rigid};
 use std::time::Duration;
 
@@ -46,20 +46,18 @@ impl<R: PartialEq> Track<R> {
         self.equal
     }
 
-    /// The time that a pose measured at `measured` is given, after all before it; or `None` where
-    /// no sensor moves so.
+    /// The time that a pose measured at `measured` is given, after all before it; or why it
+    /// may not be let out.
     pub(crate) fn admit(
         &mut self,
         limits: &GateLimits,
         measured: Nanos,
         pose: &Rigid,
-    ) -> Option<Nanos> {
+    ) -> Result<Nanos, Refusal> {
         let time = measured.max(self.newest + Duration::from_nanos(1));
-        if !self.gate.admits(limits, time, pose) {
-            return None;
-        }
+        self.gate.admit(limits, time, pose)?;
         self.newest = time;
-        Some(time)
+        Ok(time)
     }
 
     /// Forgets all but the time, which never goes back.

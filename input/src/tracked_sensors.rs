@@ -52,9 +52,12 @@ impl<R: Clone + PartialEq> TrackedSensors<R> {
             return None;
         };
         // Judged as it was told: a correction must not decide which records are believed.
-        let Some(time) = track.admit(&self.limits, arrival, &told) else {
-            counts.refused += 1;
-            return None;
+        let time = match track.admit(&self.limits, arrival, &told) {
+            Ok(time) => time,
+            Err(refusal) => {
+                counts.refuse(refusal);
+                return None;
+            }
         };
         counts.samples += 1;
         let frozen_after = self.tracking.frozen_after;

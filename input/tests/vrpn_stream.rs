@@ -165,7 +165,8 @@ fn poses_buttons_and_analogs_are_samples_of_their_sensors() {
         .collect();
     assert_eq!(rest[..4], ["2 10", "2 11", "2 1", "1 [0.25, -0.0]"]);
     let counts = stream.counts();
-    assert_eq!((counts.samples, counts.refused), (samples.len() as u64, 2));
+    assert_eq!(counts.samples, samples.len() as u64);
+    assert_eq!((counts.refused, counts.alone), (0, 2));
     assert_eq!((counts.foreign_records, counts.implausible), (8, 0));
 }
 
@@ -286,7 +287,7 @@ fn jumps_are_refused_and_frozen_sensors_are_told() {
     messages.push(FIRST.at(0, 0.006));
     let (samples, counts) = counts_of(&messages);
     // The first has nobody to vouch for it; the jump is the other.
-    assert_eq!((samples.len(), counts.refused), (5, 2));
+    assert_eq!((samples.len(), counts.refused, counts.alone), (5, 1, 1));
     assert!(
         samples
             .iter()

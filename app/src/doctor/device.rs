@@ -179,7 +179,8 @@ impl Way {
         }
     }
 
-    /// Records that were lost or not believed.
+    /// Records that were lost or not believed. One that stood alone is none: so begins whatever comes
+    /// into a tracker's sight.
     fn lost(self, counts: &StreamCounts) -> u64 {
         let StreamCounts {
             cut_records,
@@ -286,6 +287,9 @@ fn report(
         if of_others > 0 {
             detail += &format!(", {of_others} of others");
         }
+        if counts.alone > 0 {
+            detail += &format!(", {} first after a silence", counts.alone);
+        }
         for sensor in sensors {
             detail += &format!("\n    {}", sensor.in_words());
         }
@@ -317,6 +321,7 @@ fn report(
             "records": counts.records,
             "lost": lost,
             "of_others": of_others,
+            "alone": counts.alone,
             "stray_bytes": counts.stray_bytes,
             "sensors": sensors.iter().map(Heard::json).collect::<Vec<_>>(),
         }),
@@ -477,6 +482,25 @@ mod tests {
         let finding = found(FLOCK, &state(Condition::Streaming, refused), &sensors);
         assert_eq!(finding.json()[0]["lost"], 10);
         assert!(finding.advice[0].contains("shield"), "{finding}");
+    }
+
+    #[test]
+    fn a_sensor_that_begins_to_be_seen_while_it_is_listened_to_has_no_fault() {
+        for lines in [FLOCK, VRPN, DTRACK] {
+            let begun = StreamCounts {
+                records: 200,
+                alone: 2,
+                samples: 198,
+                ..StreamCounts::default()
+            };
+            let after = state(Condition::Streaming, begun);
+            let finding = found(lines, &after, &[tracked(1, 99), tracked(2, 99)]);
+            assert!(finding.advice.is_empty(), "{finding}");
+            let said = finding.to_string();
+            assert!(said.contains("0 lost"), "{said}");
+            assert!(said.contains(", 2 first after a silence"), "{said}");
+            assert_eq!(finding.json()[0]["alone"], 2);
+        }
     }
 
     #[test]

@@ -102,9 +102,12 @@ impl FlockStream {
             return None;
         };
         // Judged as the line says it: a correction must not decide which records are believed.
-        let Some(time) = bird.track.admit(&self.limits, began, &pose) else {
-            self.counts.refused += 1;
-            return None;
+        let time = match bird.track.admit(&self.limits, began, &pose) {
+            Ok(time) => time,
+            Err(refusal) => {
+                self.counts.refuse(refusal);
+                return None;
+            }
         };
         let bent = self.table_from_tracker * pose;
         Some(PoseSample {
