@@ -213,7 +213,8 @@ impl<'a> Value<'a> {
             .invalid(self.value.span().start, &self.path, problem, remedy)
     }
 
-    fn wrong_type(&self, wanted: &str) -> RigError {
+    /// An error at this value, which is of another type than what is wanted.
+    pub(crate) fn wrong_type(&self, wanted: &str) -> RigError {
         let found = match self.value.get_ref() {
             DeValue::String(_) => "is a string",
             DeValue::Integer(_) | DeValue::Float(_) => "is a number",

@@ -260,6 +260,11 @@ impl Rig {
             return Ok(());
         }
         let plain = port.to_str().ok_or_else(|| bad("its path is not UTF-8"))?;
+        if plain.is_empty() {
+            return Err(bad(&format!(
+                "write it after the `=`, as {device}=/dev/ttyUSB0 (or {device}=COM3)"
+            )));
+        }
         let text = if plain.starts_with("COM") {
             plain.to_owned()
         } else {

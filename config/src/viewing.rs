@@ -202,12 +202,13 @@ pub(crate) fn read_measure(
     metres: std::ops::RangeInclusive<f64>,
     share: std::ops::RangeInclusive<f64>,
 ) -> Result<Measure, RigError> {
-    let fields = value.fields()?;
+    let wanted = "{ metres = M } or { share = S }";
+    let fields = value.fields().map_err(|_| value.wrong_type(wanted))?;
     let measure = match (fields.get("metres"), fields.get("share")) {
         (Some(value), None) => Measure::Metres(value.number(metres, "metres")?),
         (None, Some(value)) => Measure::Share(value.number(share, "")?),
         _ => {
-            return Err(value.error("needs one length", "write { metres = M } or { share = S }"));
+            return Err(value.error("needs one length", &format!("write {wanted}")));
         }
     };
     fields.finish()?;

@@ -396,11 +396,25 @@ fn a_port_may_come_from_the_command_line() {
     let error = rig.set_port("glove", Path::new("/tmp/x")).unwrap_err();
     assert!(error.to_string().contains("it has: flock"), "{error}");
     assert!(rig.set_port("flock", Path::new("/tmp/a b|c")).is_err());
+    let error = rig.set_port("flock", Path::new("")).unwrap_err();
+    assert!(
+        error.to_string().contains("as flock=/dev/ttyUSB0"),
+        "{error}"
+    );
     rig.set_port("flock", Path::new("near")).unwrap();
     let Device::Flock(flock) = &rig.devices["flock"] else {
         panic!("the workbench has a Flock");
     };
     assert!(flock.port.starts_with('/') && flock.port.ends_with("/near"));
+}
+
+#[test]
+fn a_bare_number_for_a_length_is_answered_with_how_lengths_are_written() {
+    let text = "name = 'mine'\n[camera]\n[flight]\nspeed = 0.1\n";
+    assert_eq!(
+        Rig::parse(text, "mine.toml").unwrap_err().to_string(),
+        "mine.toml, line 4: `flight.speed` is a number; write { metres = M } or { share = S }"
+    );
 }
 
 #[test]
