@@ -1,6 +1,7 @@
 //! The grammar of `sandtable simulate`.
 
 use clap::{Args, Subcommand, ValueEnum};
+use sandtable_input::flock::Motion;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -93,7 +94,7 @@ pub(crate) struct SimulateFlockArgs {
     pub(crate) steer: bool,
 
     /// The motion of birds that are not held.
-    #[arg(long, value_name = "MOTION", default_value = "circle")]
+    #[arg(long, value_name = "MOTION", default_value = "circle", value_parser = Motion::NAMES)]
     pub(crate) motion: String,
 
     /// Damage every Nth record: a byte lost, or a phase bit turned, at each place in turn.

@@ -34,6 +34,14 @@ fn every_command_that_takes_something_has_an_example() {
 }
 
 #[test]
+fn the_simulated_flocks_help_lists_its_motions() {
+    let said = Folder::new().run("simulate flock --help").done().out;
+    for motion in ["still", "circle", "sway-right"] {
+        assert!(said.contains(motion), "no {motion:?} in\n{said}");
+    }
+}
+
+#[test]
 fn renders_help_says_that_a_view_or_a_path_is_needed_and_how_a_view_is_written() {
     let folder = Folder::new();
     let said = folder.run("render --help").done().out;
