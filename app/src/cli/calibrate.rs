@@ -193,8 +193,8 @@ pub(crate) struct CalibrateEyesArgs {
     #[command(flatten)]
     pub(crate) measuring: MeasuringArgs,
 
-    /// The marks' places in table metres; or `glass`: six places on the glass, a tenth of its sides
-    /// in from its edges.
+    /// The marks' places in table metres; some of them raised, as an eye looks over a near mark at a
+    /// far one.
     #[arg(long, value_name = "FILE")]
     pub(crate) marks: MarkSource,
 

@@ -90,6 +90,20 @@ pub struct LocatedEyes {
     pub right: Eye,
 }
 
+/// Whether pairs of a near and a far mark, in table metres, can be sighted over: asked before
+/// anybody does.
+///
+/// # Errors
+/// With what is not finite or beyond 100 m, and with a near and a far mark within 0.1 m of one
+/// another.
+pub fn admit_pairs(pairs: &[[DVec3; 2]]) -> Result<(), CalibrationError> {
+    let of = Items::Pairs;
+    for (index, &[near, far]) in pairs.iter().enumerate() {
+        apart(Item { of, index }, near, far)?;
+    }
+    Ok(())
+}
+
 /// Finds both eyes from sightings with either.
 ///
 /// # Errors
@@ -210,6 +224,21 @@ fn seen_rightwards(sighting: &Sighting, rightwards: DVec3) -> f64 {
     right.dot(sighting.table_from_sensor.direction(rightwards))
 }
 
+/// The unit vector from the far to the near mark, which are far enough from one another.
+fn apart(item: Item, near: DVec3, far: DVec3) -> Result<DVec3, CalibrationError> {
+    plausible::place(item, "the near mark's place", near)?;
+    plausible::place(item, "the far mark's place", far)?;
+    let metres = near.distance(far);
+    if metres < MARKS_APART {
+        return Err(CalibrationError::MarksTooClose {
+            item,
+            metres,
+            limit: MARKS_APART,
+        });
+    }
+    Ok((near - far) / metres)
+}
+
 /// A line of sight in the sensor's axes.
 struct Line {
     near: DVec3,
@@ -219,21 +248,11 @@ struct Line {
 
 impl Line {
     fn of(item: Item, sighting: &Sighting) -> Result<Self, CalibrationError> {
-        plausible::place(item, "the near mark's place", sighting.near)?;
-        plausible::place(item, "the far mark's place", sighting.far)?;
+        let towards_eye = apart(item, sighting.near, sighting.far)?;
         let sensor_from_table = plausible::pose(item, &sighting.table_from_sensor)?.inverse();
-        let apart = sighting.near - sighting.far;
-        let metres = apart.length();
-        if metres < MARKS_APART {
-            return Err(CalibrationError::MarksTooClose {
-                item,
-                metres,
-                limit: MARKS_APART,
-            });
-        }
         Ok(Self {
             near: sensor_from_table.point(sighting.near),
-            towards_eye: sensor_from_table.direction(apart / metres),
+            towards_eye: sensor_from_table.direction(towards_eye),
         })
     }
 

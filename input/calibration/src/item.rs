@@ -13,6 +13,8 @@ pub enum Items {
     LeftSightings,
     /// Sightings with the right eye.
     RightSightings,
+    /// Pairs of a near and a far mark that are to be sighted over.
+    Pairs,
     /// Samples of the distorted field ([`FieldSample`](crate::FieldSample)).
     FieldSamples,
 }
@@ -24,6 +26,7 @@ impl fmt::Display for Items {
             Self::Poses => "poses",
             Self::LeftSightings => "sightings of the left eye",
             Self::RightSightings => "sightings of the right eye",
+            Self::Pairs => "pairs of marks",
             Self::FieldSamples => "samples of the field",
         })
     }
@@ -46,6 +49,7 @@ impl fmt::Display for Item {
             Items::Poses => write!(f, "pose {number}"),
             Items::LeftSightings => write!(f, "sighting {number} of the left eye"),
             Items::RightSightings => write!(f, "sighting {number} of the right eye"),
+            Items::Pairs => write!(f, "pair {number}"),
             Items::FieldSamples => write!(f, "sample {number}"),
         }
     }

@@ -62,7 +62,7 @@ mod smoothing_spline;
 
 pub use distortion::{DistortionFit, FieldSample, admit_field_marks, fit_distortion};
 pub use error::CalibrationError;
-pub use eyes::{Eye, Eyes, LocatedEyes, Side, Sighting, locate_eye, locate_eyes};
+pub use eyes::{Eye, Eyes, LocatedEyes, Side, Sighting, admit_pairs, locate_eye, locate_eyes};
 pub use item::{Item, Items};
 pub use outlier::Outlier;
 pub use pivot::{Pivot, pivot};

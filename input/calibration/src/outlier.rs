@@ -44,7 +44,7 @@ impl fmt::Display for Outlier {
         f.write_str(match self.item.of {
             Items::Touches => "touch that mark again, and check its written place",
             Items::Poses => "the tip may have slipped: leave the pose out, or pivot again",
-            Items::LeftSightings | Items::RightSightings => {
+            Items::LeftSightings | Items::RightSightings | Items::Pairs => {
                 "sight those marks again, and check their written places"
             }
             Items::FieldSamples => {

@@ -3,22 +3,39 @@
 use super::dialogue::{Answer, Dialogue, quit};
 use super::saving::Destination;
 use super::station::{Station, Steadiness};
-use crate::cli::CalibrateEyesArgs;
+use crate::cli::{CalibrateEyesArgs, MarkSource};
 use crate::exit::usage;
 use crate::rig;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use glam::DVec3;
-use sandtable_calibration::{Eye, LocatedEyes, Sighting, locate_eyes};
+use sandtable_calibration::{Eye, LocatedEyes, Sighting, admit_pairs, locate_eyes};
 use sandtable_config::{Calibrated, Mark, Rig, SensorName};
 
 pub(super) fn run(args: &CalibrateEyesArgs, dialogue: &Dialogue) -> Result<()> {
     let rig = rig::open(&args.measuring.rig, &args.measuring.device)?;
+    if args.marks == MarkSource::Glass {
+        return Err(usage(
+            "eyes cannot be measured by marks on the glass: the line through two of them lies in the \
+             glass, where no eye looks along it; put up a post, measure its top, and name the file \
+             of marks with --marks",
+        ));
+    }
     let marks = args.marks.load(&rig)?;
     let pairs = args
         .pair
         .iter()
         .map(|pair| pair_of(&marks, pair))
         .collect::<Result<Vec<_>>>()?;
+    let places: Vec<_> = pairs
+        .iter()
+        .map(|pair| pair.map(|mark| mark.place))
+        .collect();
+    admit_pairs(&places).with_context(|| {
+        format!(
+            "the marks of --pair {} tell no eye, however they are sighted over",
+            args.pair.join(" --pair ")
+        )
+    })?;
     let sensor = head_sensor(&rig, args.measuring.sensor.as_deref())?;
     let destination = Destination::choose(&args.measuring.rig, &args.saving, &rig, dialogue)?;
     let station = Station::start(&rig, &sensor, dialogue.clone())?;

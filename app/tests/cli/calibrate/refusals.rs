@@ -128,6 +128,16 @@ fn what_cannot_end_well_is_refused_before_anything_is_touched() {
             &["NEAR=FAR"],
         ),
         (
+            "eyes --rig rig.toml --marks marks.toml --pair post=post".to_owned(),
+            1,
+            &["--pair post=post", "pair 1", "0.000 m apart", "farther"],
+        ),
+        (
+            "eyes --rig rig.toml --marks glass --pair post=lamp".to_owned(),
+            2,
+            &["on the glass", "no eye", "post", "--marks"],
+        ),
+        (
             "check --rig rig.toml --marks marks.toml --sensor flock/1 --within 0".to_owned(),
             2,
             &["above 0"],

@@ -2,7 +2,9 @@
 
 use crate::noise::Noise;
 use glam::{DQuat, DVec3};
-use sandtable_calibration::{CalibrationError, Side, Sighting, locate_eye, locate_eyes};
+use sandtable_calibration::{
+    CalibrationError, Side, Sighting, admit_pairs, locate_eye, locate_eyes,
+};
 use sandtable_pose::Rigid;
 
 const INTERPUPILLARY: f64 = 0.0635;
@@ -238,4 +240,20 @@ fn plain_noise_has_a_sighting_named_in_one_set_of_a_hundred_at_most() {
         .count();
     println!("named in {named} of 1000 sets");
     assert!(named < 22, "{named}");
+}
+
+#[test]
+fn marks_too_close_to_sight_over_are_refused_by_their_pairs_number() {
+    let [post, far] = [DVec3::new(0.1, 0.1, 0.35), DVec3::new(0.6, 0.45, 0.0)];
+    assert_eq!(admit_pairs(&[[post, far], [far, post]]), Ok(()));
+    let beside = far + DVec3::new(0.09, 0.0, 0.0);
+    for [near, far] in [[post, post], [beside, far]] {
+        let error = admit_pairs(&[[post, far + DVec3::Y], [near, far]]).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("pair 2: the near and the far mark are 0.0"),
+            "{error}"
+        );
+    }
 }
