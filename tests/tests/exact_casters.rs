@@ -197,7 +197,7 @@ fn what_stands_at_the_images_edge_is_no_sky() {
     for k in 0..120_u32 {
         let teeth = |col: u32, row: u32| {
             let tooth = ((col * 37 + row * 91 + k * 13) % 113) as f32 / 113.0 * 5.0;
-            if col % 2 == 0 { tooth } else { -tooth }
+            if col.is_multiple_of(2) { tooth } else { -tooth }
         };
         let ground = Ground::from_fn(6 + k % 13, 17, DVec2::ONE, teeth).expect("a sound grid");
         let share = |by: f64| (by * f64::from(k)).fract();

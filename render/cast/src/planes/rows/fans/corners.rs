@@ -19,6 +19,8 @@ pub(super) struct Corner {
     is_last: bool,
     /// Lanes from plane to plane.
     apart: f64,
+    /// The first and the last plane that is seen in the step.
+    seen: [f64; 2],
     /// The lanes of which a part may be beside the ground, or take what is seen elsewhere, from the first to the one
     /// behind the last.
     lanes: [i32; 2],
@@ -27,11 +29,13 @@ pub(super) struct Corner {
 impl<L: Lanes> March<'_, L> {
     /// The corners that there may be in a step of a fan.
     pub(super) fn corners(&self, fan: &Fan, step: u32) -> [Option<Corner>; 2] {
+        let planes = fan.planes_of(step);
         self.corner_lanes(step).map(|corner| {
             corner.map(|(lane, is_last)| Corner {
                 plane: fan.plane(step, lane),
                 is_last,
                 apart: 1.0 / fan.planes_to_lane(step),
+                seen: [planes.start as f64, planes.end.saturating_sub(1) as f64],
                 lanes: [
                     (lane - AROUND).floor() as i32,
                     (lane + AROUND).ceil() as i32,
@@ -77,20 +81,21 @@ impl Corner {
         from < first + count && first < to
     }
 
-    /// The outermost plane that sees ground.
+    /// The outermost plane that sees ground, of those of the step.
     fn outermost(self) -> f64 {
         /// Of a plane that is as near to the edge there is no telling whether it does.
         const NEAR: f64 = 0.01;
-        if self.is_last {
+        let outermost = if self.is_last {
             (self.plane - NEAR).floor()
         } else {
             (self.plane + NEAR).ceil()
-        }
+        };
+        outermost.clamp(self.seen[0], self.seen[1])
     }
 
     /// The first of `plane` and of the planes that are to be asked there.
     pub(super) fn first_asked(self, plane: f64) -> f64 {
-        plane.min(self.outermost().max(0.0))
+        plane.min(self.outermost())
     }
 
     /// Where among planes, counted from plane `base` on, pixels are to take what is seen that lie at `plane`.

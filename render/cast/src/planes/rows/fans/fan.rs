@@ -3,6 +3,7 @@
 use super::super::March;
 use crate::lanes::{LANES, Lanes};
 use crate::planes::sectors::Sector;
+use std::ops::Range;
 
 /// How much closer planes may lie in one of a fan's steps than in another.
 const CLOSEST: f64 = 0.7;
@@ -51,20 +52,13 @@ impl Fan {
         if least > most {
             return fan;
         }
-        // No pixel lies before the third plane, however numbers are rounded.
-        fan.first = (least - 2.01) * fan.apart;
-        fan.seen = vec![[to, from]; (most - least) as usize + 6];
+        // No pixel lies before the second plane, however numbers are rounded.
+        fan.first = (least - 1.01) * fan.apart;
+        fan.seen = vec![[to, from]; (most - least) as usize + 4];
         // Steps see one run of planes each, and the ends of these runs go one way and back at most.
         let mut before = 0..0;
-        for (step, &[from, to]) in (fan.from..to).zip(&fan.lanes) {
-            // And one more on each side: where the ground's corner lies between two planes, pixels ask the one
-            // on its other side.
-            let planes = if from < to {
-                fan.plane(step, f64::from(from)) as usize - 1
-                    ..fan.plane(step, f64::from(to - 1)) as usize + 3
-            } else {
-                0..0
-            };
+        for step in fan.from..to {
+            let planes = fan.planes_of(step);
             let come = [
                 planes.start..planes.end.min(before.start),
                 planes.start.max(before.end)..planes.end,
@@ -128,6 +122,16 @@ impl Fan {
 
     pub(super) fn planes(&self) -> usize {
         self.seen.len()
+    }
+
+    /// The planes between which a step's pixels lie.
+    pub(super) fn planes_of(&self, step: u32) -> Range<usize> {
+        let [from, to] = self.lanes(step);
+        if from >= to {
+            return 0..0;
+        }
+        let [first, last] = [from, to - 1].map(|lane| self.plane(step, f64::from(lane)) as usize);
+        first..last + 2
     }
 
     /// The steps in which a plane is seen; none for one that there is not.
