@@ -81,8 +81,8 @@ mod tests {
 
     fn write(path: &Path, text: &str) {
         let partial = Partial::beside(path);
-        fs::write(partial.unfinished(), text).unwrap();
-        partial.complete().unwrap();
+        fs::write(partial.unfinished(), text).expect("a folder to write in");
+        partial.complete().expect("the same folder");
     }
 
     #[test]
