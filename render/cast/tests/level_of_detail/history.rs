@@ -76,7 +76,7 @@ fn corners_look_the_same_after_another_view() {
     for k in 0..120_u32 {
         let share = |by: f64| (by * f64::from(k + 1)).fract();
         let far = 80.0 + 3000.0 * share(0.271).powi(2);
-        let (s, c) = (6.283 * share(0.618_034)).sin_cos();
+        let (s, c) = (std::f64::consts::TAU * share(0.618_034)).sin_cos();
         let eye = DVec3::new(
             32.0 + far * c,
             32.0 + far * s,
@@ -88,7 +88,7 @@ fn corners_look_the_same_after_another_view() {
             attitude: Attitude {
                 yaw: way.x.atan2(way.y),
                 pitch: way.z.atan2(way.truncate().length()),
-                roll: 6.283 * share(0.414),
+                roll: std::f64::consts::TAU * share(0.414),
             },
             horizontal_fov: (97.5 / far).min(1.8),
         }
