@@ -4,6 +4,7 @@
 mod data;
 pub mod decoders;
 pub mod exactness;
+pub mod hard_views;
 mod markers;
 mod random;
 pub mod random_views;

@@ -6,10 +6,13 @@
 mod scenes;
 
 use glam::{DVec2, DVec3};
-use sandtable_cast::{Brute, CastPool, Image, PreparedScene, Scene, Sight, caster_by_name, sight};
+use sandtable_cast::{
+    Brute, CastPool, Caster, Image, PreparedScene, Scene, Sight, caster_by_name, sight,
+};
 use sandtable_terrain::Ground;
 use sandtable_tests::Random;
 use sandtable_tests::exactness::{Fault, Verdict, judge};
+use sandtable_tests::hard_views::hard_case;
 use sandtable_tests::random_views::{Case, Kind, case};
 use sandtable_view::{Attitude, Camera, Ray, Screen, View};
 use std::collections::BTreeMap;
@@ -106,6 +109,60 @@ fn the_exact_caster_sees_what_brute_force_sees() {
         wrong[0].0,
         wrong[0].1
     );
+}
+
+/// Hard views of hard ground, drawn anew: the verdict, and the same bytes on other threads and by plain Rust.
+#[test]
+fn the_exact_caster_stands_hard_views() {
+    let pools = [2, 1, 3].map(|threads| CastPool::new(threads).expect("threads"));
+    let named = |name: &str| caster_by_name(name).expect("a caster's name");
+    let (caster, portable) = (named(CASTER), named("planes?isa=portable"));
+    let mut wrong = Vec::new();
+    let (mut pixels, mut ground) = (0, 0);
+    let cases = views_asked_for();
+    for case in (0..cases).map(hard_case) {
+        let prepare = |caster: &dyn Caster| {
+            let prepared = pools[0].run(|| caster.prepare(Arc::clone(&case.scene)));
+            prepared.expect("any scene will do")
+        };
+        let prepared = prepare(&*caster);
+        let plain = case.seed.is_multiple_of(4).then(|| prepare(&*portable));
+        for view in &case.views {
+            let cast = |pool: &CastPool, prepared: &dyn PreparedScene| {
+                let mut images = [Image::default()];
+                pool.cast(prepared, &[view.view], &mut images)
+                    .expect("any view will do");
+                let [image] = images;
+                image
+            };
+            let image = cast(&pools[0], &*prepared);
+            let verdict = judge(&case.scene, &view.view, &image);
+            pixels += verdict.pixels;
+            ground += image.depth.iter().filter(|depth| !is_sky(**depth)).count();
+            if verdict.wrong() > 0 {
+                wrong.push(format!(
+                    "{case}, {}, {}: {verdict}",
+                    view.name, view.view.eye
+                ));
+            }
+            let other = &pools[1 + case.seed as usize % 2];
+            assert!(image == cast(other, &*prepared), "{case}, {}", view.name);
+            if let Some(plain) = &plain {
+                assert!(image == cast(other, &**plain), "{case}, {}", view.name);
+            }
+        }
+    }
+    println!("{pixels} pixels, {ground} of ground");
+    for wrong in &wrong {
+        println!("{wrong}");
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} views, first {}",
+        wrong.len(),
+        wrong[0]
+    );
+    assert!(4 * ground > pixels, "{ground} of {pixels} are ground");
 }
 
 /// The views that the benches measure, of the scenes that `SANDTABLE_BENCH_SCENES` names.
@@ -246,6 +303,102 @@ fn rays_along_one_axis_alone_meet_the_ground_where_it_is() {
         .view([320, 240]);
         let verdict = verdict_of(&Scene::new(ground), view);
         assert_eq!(verdict.wrong(), 0, "{k}: {verdict}");
+    }
+}
+
+/// Slopes, with bends, so steep that from an eye a millionth of a cell over them numbers of 32 bits cannot tell on
+/// which side it is.
+#[test]
+fn eyes_hardly_over_a_slope_see_what_brute_force_sees() {
+    for (rise, spacing) in [(0.05, 1.0), (3.0, 1.0), (30.0, 30.0)] {
+        let slope = |col: u32, row: u32| {
+            let bend = 0.37 * f64::from((col * 7 + row * 3) % 5);
+            (rise * (0.7 * f64::from(col) + 0.313 * f64::from(row) + bend)) as f32
+        };
+        let ground = Ground::from_fn(33, 33, DVec2::splat(spacing), slope).expect("a sound grid");
+        let scene = Scene::new(ground);
+        for k in 0..32_u32 {
+            let share = |by: f64| 4.0 + 24.0 * (by * f64::from(k + 1)).fract();
+            let at = spacing * DVec2::new(share(0.618_034), share(0.414_213_6));
+            let height = scene.ground.height_at(at.x, at.y).expect("on the ground");
+            let over = 10.0_f64.powi(-9 + (k % 4) as i32);
+            let view = Camera {
+                eye: at.extend(height + over),
+                attitude: Attitude {
+                    yaw: 0.37 * f64::from(k),
+                    pitch: -0.1,
+                    roll: 0.0,
+                },
+                horizontal_fov: 1.2,
+            }
+            .view([64, 48]);
+            let verdict = verdict_of(&scene, view);
+            assert_eq!(verdict.wrong(), 0, "{rise}, {k}, {over} over it: {verdict}");
+        }
+    }
+}
+
+/// Eyes so close to a wall that what is left to it is lost beside the eye's own place, looking up along it: right
+/// below its upper edge, or farther below.
+#[test]
+fn eyes_right_before_a_wall_see_where_it_ends() {
+    for (height, below) in [(0.1, 0.0), (0.1, 3.0), (0.002, 1e-4)] {
+        let teeth = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * height;
+        let ground = Ground::from_fn(40, 50, DVec2::new(1.0, 1.3), teeth).expect("a sound grid");
+        let extent = ground.grid().extent();
+        let scene = Scene::new(ground);
+        for k in 0..48_u32 {
+            let share = (0.618_034 * f64::from(k + 1)).fract();
+            let out = 10.0_f64.powi(-9 + (k % 6) as i32);
+            let along = share * extent;
+            let (at, inwards) = match k % 4 {
+                0 => (DVec2::new(-out, along.y), FRAC_PI_2),
+                1 => (DVec2::new(extent.x + out, along.y), -FRAC_PI_2),
+                2 => (DVec2::new(along.x, -out), 0.0),
+                _ => (DVec2::new(along.x, extent.y + out), 2.0 * FRAC_PI_2),
+            };
+            let edge = at.clamp(DVec2::ZERO, extent);
+            let edge = scene.ground.height_at(edge.x, edge.y);
+            let below = below + 3.0 * out;
+            let view = Camera {
+                eye: at.extend(edge.expect("on the border") - below),
+                attitude: Attitude {
+                    yaw: inwards + 0.4 * (share - 0.5),
+                    pitch: 1.2,
+                    roll: 0.3 * f64::from(k),
+                },
+                horizontal_fov: 1.6,
+            }
+            .view([160, 120]);
+            let verdict = verdict_of(&scene, view);
+            let place = format!("{k}, {out} before a wall of {height}, {below} below");
+            assert_eq!(verdict.wrong(), 0, "{place}: {verdict}");
+        }
+    }
+}
+
+/// Pixels so narrow that numbers of 32 bits tell their rays from one straight down, but hardly from one another:
+/// they meet a wall right beside the eye.
+#[test]
+fn pixels_of_a_microscope_see_what_brute_force_sees() {
+    let hills = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.05;
+    let ground = Ground::from_fn(60, 60, DVec2::ONE, hills).expect("a sound grid");
+    let scene = Scene::new(ground);
+    for k in 0..12_u32 {
+        let pixel = 10.0_f64.powi(-10 + (k % 4) as i32);
+        let size = [64, 48];
+        let view = Camera {
+            eye: DVec3::new(-9.0 * pixel, 30.6, 1.0 + f64::from(k)),
+            attitude: Attitude {
+                yaw: FRAC_PI_4 * f64::from(k),
+                pitch: -FRAC_PI_2,
+                roll: 0.0,
+            },
+            horizontal_fov: f64::from(size[0]) * pixel,
+        }
+        .view(size);
+        let verdict = verdict_of(&scene, view);
+        assert_eq!(verdict.wrong(), 0, "{k}, {pixel}: {verdict}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! How far away the ground may be.
+//! How far away the ground may be, and how narrow pixels.
 
 use super::sectors::ImageRays;
 use glam::{DVec2, DVec3};
@@ -8,32 +8,36 @@ use sandtable_terrain::Ground;
 /// side: up to there the kernels' numbers have digits enough for a hundredth of one.
 const ALWAYS: f64 = 131_072.0;
 
-/// How far away the ground may be where pixels are so wide that rays are nearer to where they should
-/// be than a hundredth of one: a way is rounded by a part of itself, and pixels widen with it.
-struct Afar {
-    /// As [`ALWAYS`] has it.
+/// What the kernels' numbers have digits enough for.
+struct Limits {
+    /// How far away the ground may be, as [`ALWAYS`] has it, where pixels are so wide that rays are nearer to where
+    /// they should be than a hundredth of one: a way is rounded by a part of itself, and pixels widen with it.
     farthest: f64,
-    /// From pixel to pixel, as an angle.
+    /// Which pixels are so wide, as the angle from one to the next.
+    narrowest_afar: f64,
+    /// The same where no ground is that far away.
     narrowest: f64,
 }
 
 /// For rays over the ground's own resolution: a hit is told to a tenth of a cell.
-const EXACT: Afar = Afar {
+const EXACT: Limits = Limits {
     farthest: 262_144.0,
-    narrowest: 1.0 / 8192.0,
+    narrowest_afar: 1.0 / 8192.0,
+    narrowest: 1e-6,
 };
 
 /// Where the ground is coarsened: cells are as wide as pixels.
-const COARSENED: Afar = Afar {
+const COARSENED: Limits = Limits {
     farthest: 8_388_608.0,
-    narrowest: 1.0 / 131_072.0,
+    narrowest_afar: 1.0 / 131_072.0,
+    narrowest: 0.0,
 };
 
 /// At how many places along each side of the image it is looked how narrow pixels are.
 const LOOKS: u32 = 5;
 
 impl ImageRays {
-    /// Whether the ground is so far away from an `eye` (metres), and pixels so narrow, that the kernels'
+    /// Whether the ground is so far away from an `eye` (metres), or pixels so narrow, that the kernels'
     /// numbers have too few digits.
     pub(super) fn are_too_fine(&self, ground: &Ground, eye: DVec3, coarsens: bool) -> bool {
         let grid = ground.grid();
@@ -42,8 +46,12 @@ impl ImageRays {
         let farthest = (eye - ends).abs().max((eye - other_ends).abs());
         let farthest = farthest.max_element() / grid.cell_length();
         let may = if coarsens { COARSENED } else { EXACT };
-        farthest > ALWAYS
-            && (farthest > may.farthest || self.narrowest(grid.spacing) < may.narrowest)
+        let narrowest = if farthest > ALWAYS {
+            may.narrowest_afar
+        } else {
+            may.narrowest
+        };
+        farthest > may.farthest || self.narrowest(grid.spacing) < narrowest
     }
 
     /// The least angle from a pixel to the next one, about: of pixels at even distances over the whole image, of
@@ -112,7 +120,8 @@ mod tests {
         };
         for [aside, above] in [[1.0, 0.0], [1.0, 0.2], [0.8, 0.8], [0.0, 1.0]] {
             let alone = |cells: f64, pixel: f64| alone(cells * aside, cells * above, pixel);
-            assert_eq!(alone(100_000.0, 1e-6), [false; 2]);
+            assert_eq!(alone(100_000.0, 5e-7), [true; 2]);
+            assert_eq!(alone(100_000.0, 2e-6), [false; 2]);
             assert_eq!(alone(100_000.0, 1e-3), [false; 2]);
             // There pixels are 3 cells wide, then 30, and less than half a cell.
             assert_eq!(alone(200_000.0, 1.5e-5), [true, false]);

@@ -14,6 +14,29 @@ use sandtable_terrain::{Ground, Rgb, TILE_CELLS};
 /// Heights over the eye, as a share of both, that are no more than rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// How far from the ground's surface an eye must be for the kernels to tell in which direction parts of it lie that are
+/// no farther away, as a share of how much higher or lower than the eye ground is near by: some thousand times a
+/// height's last digit.
+const TELLS: f64 = 1e-4;
+
+/// Whether an eye (metres) is in the ground, or too close for the kernels to its surface or a wall's upper edge.
+pub(super) fn is_close(ground: &Ground, eye: DVec3) -> bool {
+    let grid = ground.grid();
+    let nearest = eye.truncate().clamp(DVec2::ZERO, grid.extent());
+    let ([column, row], _) =
+        (ground.heights()).locate(nearest.x / grid.spacing.x, nearest.y / grid.spacing.y);
+    let corners = ground.heights().cell(column, row).map(f64::from);
+    let relief = corners.into_iter().fold(0.0, |relief: f64, corner| {
+        relief.max((corner - eye.z).abs())
+    });
+    let Some(height) = ground.height_at(nearest.x, nearest.y) else {
+        return false;
+    };
+    let (aside, over) = (eye.truncate().distance(nearest), eye.z - height);
+    let away = if aside > 0.0 { aside.hypot(over) } else { over };
+    away <= TELLS * relief
+}
+
 /// What is known of a view whose pixels are cast alone.
 pub(super) struct Alone<'a> {
     grid: GridFrame<'a>,

@@ -119,6 +119,9 @@ pub(super) struct Axis {
     pub(super) fraction: f32,
     /// The first and the last mirrored cell of the ground.
     pub(super) cells: [i32; 2],
+    /// How far from the eye the ground begins: 0 or less where it does so behind it. Not what is left of 1 behind
+    /// `fraction`: right before a wall, all that is seen of it hangs on this distance.
+    pub(super) begin: f32,
 }
 
 impl Axis {
@@ -134,6 +137,11 @@ impl Axis {
         } else {
             base + 1.0 - eye
         };
+        let begin = if sign > 0 {
+            -eye
+        } else {
+            eye - f64::from(cells)
+        };
         let base = base as i32;
         let ends = if sign > 0 {
             [-base, cells - 1 - base]
@@ -145,6 +153,7 @@ impl Axis {
             base,
             fraction: fraction as f32,
             cells: ends,
+            begin: begin as f32,
         }
     }
 

@@ -7,6 +7,7 @@ mod climb;
 mod coarser;
 mod depart;
 mod detail;
+mod fall;
 mod field;
 mod floor;
 mod footprint;
@@ -193,14 +194,12 @@ impl UnitCaster for PlanesScene {
             let (rays, heights) = (ImageRays::new(view, per_metre), [low, high].map(f64::from));
             rays.widest(view.eye * per_metre, own_level.cells, heights) > detail.widest_in_finest()
         });
-        let inside = own
-            .height_at(view.eye.x, view.eye.y)
-            .is_some_and(|height| view.eye.z <= height);
         // The ground whose cells rays go over.
         let over = |coarser: Option<&'a Detail>| coarser.and_then(Detail::refined).unwrap_or(own);
         let rays_over = |ground| ImageRays::new(view, per_metre(ground));
         let ground = over(coarser);
-        let alone = inside || rays_over(ground).are_too_fine(ground, view.eye, coarser.is_some());
+        let alone = alone::is_close(own, view.eye)
+            || rays_over(ground).are_too_fine(ground, view.eye, coarser.is_some());
         let coarser = coarser.filter(|_| !alone);
         let coarsens = coarser.is_some();
         let ground = over(coarser);

@@ -1,6 +1,7 @@
 //! The pieces of ground that rays met, for their neighbours: who knows a cell's surface need not
 //! look for it.
 
+use super::fall::Fall;
 use super::field::Field;
 use super::rows::BLOCK;
 use super::wave::Column;
@@ -191,11 +192,8 @@ pub(super) struct Path<L: Lanes> {
     /// What is left of the cell.
     major_left: L::F,
     minor_left: L::F,
-    /// The clearance s further on is `here` + 2 `half_rate` s − b s².
-    here: L::F,
-    half_rate: L::F,
-    /// `half_rate`² + b `here`.
-    discriminant: L::F,
+    /// The clearance further on.
+    fall: Fall<L>,
 }
 
 impl<L: Lanes> Path<L> {
@@ -232,16 +230,17 @@ impl<L: Lanes> Path<L> {
         let falls = l.add(falls_major, l.mul(advance, falls_minor));
         let half_rate = l.mul(l.add(slope, falls), l.splat(0.5));
         let bend = l.mul(patch.twist, advance);
-        let discriminant = l.add(l.mul(half_rate, half_rate), l.mul(here, bend));
         let crosses_major = l.lt(l.mul(major_left, advance), minor_left);
         Self {
             is_in,
             line: l.select(crosses_major, to_major, l.sub(zero, to_minor)),
             major_left,
             minor_left,
-            here,
-            half_rate,
-            discriminant,
+            fall: Fall {
+                here,
+                half_rate,
+                bend,
+            },
         }
     }
 
@@ -249,13 +248,8 @@ impl<L: Lanes> Path<L> {
     /// [`meet`](super::walk::meet) finds it.
     #[inline(always)]
     pub(super) fn find(&self, l: L, advance: L::F) -> (L::M, L::F) {
-        // Where the clearance falls through 0, which it does once at most: so a ray that is clear here
-        // and does not do so in the cell is clear up to its end. Where there is no root, there are no
-        // numbers either; where it lies behind the ray, the divisor is not above 0, and that place is
-        // far off instead.
-        let root = l.sqrt(self.discriminant);
-        let divisor = l.max(l.splat(f32::MIN_POSITIVE), l.sub(root, self.half_rate));
-        let further = l.div(self.here, divisor);
+        // A ray that is clear here, and whose clearance does not come down to 0 in the cell, is clear up to its end.
+        let further = self.fall.first_zero(l);
         let in_major = l.le(further, self.major_left);
         let in_minor = l.le(l.mul(further, advance), self.minor_left);
         (l.and(in_major, in_minor), further)
@@ -320,7 +314,7 @@ mod tests {
                 let (_, patch) = cross(l, field, &ray, t, cells, posts);
                 let path = Path::new(l, field, [ray.advance, ray.slope], t, &patch);
                 field.eye_height -= 1024.0;
-                [path.here[0] - 1024.0, 2.0 * path.half_rate[0]]
+                [path.fall.here[0] - 1024.0, 2.0 * path.fall.half_rate[0]]
             };
             // Half of the rays run almost along the ground; all are a little over it here.
             let mut height = 0.5 * share(0.911) as f32;
@@ -339,7 +333,7 @@ mod tests {
             if hit != hits_here {
                 // Just at the line behind the cell, or where a ray touches the ground.
                 let grazes =
-                    crossing.clearance[0].abs() < 1e-4 || path.discriminant[0].abs() < 1e-3;
+                    crossing.clearance[0].abs() < 1e-4 || path.fall.discriminant(l)[0].abs() < 1e-3;
                 assert!(grazes, "{k}: {hit} {hits_here} {}", crossing.clearance[0]);
                 continue;
             }

@@ -230,8 +230,7 @@ impl<'a, L: Lanes> March<'a, L> {
         };
         let mut fields: Vec<_> = (0..frame.levels.len()).map(field).collect();
         let [major, minor] = [fields[0].major, fields[0].minor];
-        let bounds =
-            [major, minor].map(|axis| [axis.line(axis.cells[0]), axis.line(axis.cells[1] + 1)]);
+        let bounds = [major, minor].map(|axis| [axis.begin, axis.line(axis.cells[1] + 1)]);
         let steepest = frame.levels.iter().zip(&fields);
         let steepest = steepest
             .map(|(level, field)| f64::from(level.steepest[1 - sector.major] / field.scale))

@@ -149,7 +149,7 @@ impl<'a> Shader<'a> {
             tints: Tints::new(frame.ground),
             textures,
             blur: frame.detail.as_ref().map_or(1.0, |detail| detail.blur),
-            begins: Some([&field.major, &field.minor].map(|axis| axis.line(axis.cells[0])))
+            begins: Some([&field.major, &field.minor].map(|axis| axis.begin))
                 .filter(|begins| begins.iter().any(|&begin| begin > 0.0)),
             large: frame.levels[0].is_large(),
             asks_ahead: frame.levels[0].is_large()

@@ -2,6 +2,7 @@
 
 use super::climb::{NEAR, level_for};
 use super::coarser::Coarser;
+use super::fall::Fall;
 use super::field::Field;
 use super::patches::{NUMBERS, Patch, Patches, packed};
 use super::strips::Strips;
@@ -36,13 +37,16 @@ impl Passage {
     pub(super) fn keep_crossing<L: Lanes>(&mut self, l: L, at: usize, crossing: &Crossing<L>) {
         let Crossing {
             next,
-            clear,
             clearance,
-            half_linear,
-            discriminant,
+            fall:
+                Fall {
+                    here,
+                    half_rate,
+                    bend,
+                },
             ..
         } = *crossing;
-        let numbers = [next, clear, clearance, half_linear, discriminant];
+        let numbers = [next, clearance, here, half_rate, bend];
         for (to, numbers) in self.crossings.iter_mut().zip(numbers) {
             l.store(numbers, group_mut(to, at));
         }
@@ -51,14 +55,16 @@ impl Passage {
     /// How a group's rays come through their cells, as it was kept.
     #[inline(always)]
     pub(super) fn crossing<L: Lanes>(&self, l: L, at: usize, next_cell: [L::I; 2]) -> Crossing<L> {
-        let [next, clear, clearance, half_linear, discriminant] = &self.crossings;
+        let [next, clearance, here, half_rate, bend] = &self.crossings;
         Crossing {
             next: l.load(group(next, at)),
             next_cell,
-            clear: l.load(group(clear, at)),
             clearance: l.load(group(clearance, at)),
-            half_linear: l.load(group(half_linear, at)),
-            discriminant: l.load(group(discriminant, at)),
+            fall: Fall {
+                here: l.load(group(here, at)),
+                half_rate: l.load(group(half_rate, at)),
+                bend: l.load(group(bend, at)),
+            },
         }
     }
 
@@ -331,11 +337,8 @@ pub(super) struct Crossing<L: Lanes> {
     pub(super) next: L::F,
     pub(super) clearance: L::F,
     pub(super) next_cell: [L::I; 2],
-    /// The clearance before it (0 where the ray is below the ground), and of the quadratic over the
-    /// way between, from 0 to 1: half of the linear part, and what the root is taken of.
-    clear: L::F,
-    half_linear: L::F,
-    discriminant: L::F,
+    /// The clearance over the way between, from 0 to 1.
+    fall: Fall<L>,
 }
 
 /// Where rays meet the ground in their cells.
@@ -393,10 +396,8 @@ pub(super) fn cross<L: Lanes>(
     // Along the cell the clearance is a quadratic; this is its bend over the segment.
     let length = l.sub(next, t);
     let bend = l.mul(l.mul(twist, ray.advance), l.mul(length, length));
-    // Its first root, in the form that neither cancels nor divides by a bend of 0.
-    let clear = l.max(clearance, zero);
-    let half_linear = l.mul(l.add(l.sub(next_clearance, clear), bend), l.splat(0.5));
-    let discriminant = l.add(l.mul(half_linear, half_linear), l.mul(clear, bend));
+    let here = l.max(clearance, zero);
+    let half_rate = l.mul(l.add(l.sub(next_clearance, here), bend), l.splat(0.5));
     let one = l.splat_i(1);
     let crossing = Crossing {
         next,
@@ -405,9 +406,11 @@ pub(super) fn cross<L: Lanes>(
             l.add_i_where(crosses_major, major, one),
             l.add_i(minor, l.select_i(crosses_major, l.splat_i(0), one)),
         ],
-        clear,
-        half_linear,
-        discriminant,
+        fall: Fall {
+            here,
+            half_rate,
+            bend,
+        },
     };
     let patch = Patch {
         cell: packed(l, [major, minor]),
@@ -422,23 +425,10 @@ pub(super) fn cross<L: Lanes>(
 /// Where rays that are at t in a cell meet the ground in it.
 #[inline(always)]
 pub(super) fn meet<L: Lanes>(l: L, t: L::F, crossing: &Crossing<L>) -> Met<L> {
-    let Crossing {
-        next,
-        clear,
-        half_linear,
-        discriminant,
-        ..
-    } = *crossing;
-    // Where there is no root, there are no numbers; where it lies before t, the divisor is not above 0,
-    // and that place is far off instead. What is missed at the end of a cell, as it is rounded, is below
-    // the ground in the next one.
-    let divisor = l.max(
-        l.splat(f32::MIN_POSITIVE),
-        l.sub(l.sqrt(discriminant), half_linear),
-    );
-    let share = l.div(clear, divisor);
+    // What is missed at the end of a cell, as it is rounded, is below the ground in the next one.
+    let share = crossing.fall.first_zero(l);
     Met {
         hit: l.le(share, l.splat(1.0)),
-        hit_t: l.add(t, l.mul(share, l.sub(next, t))),
+        hit_t: l.add(t, l.mul(share, l.sub(crossing.next, t))),
     }
 }
