@@ -64,6 +64,7 @@ impl<L: Lanes> March<'_, L> {
         let aside = l.mul(numbers, l.splat(fan.planes_to_lane(step) as f32));
         let pixel = self.pixel_width(step, 0.5 * f64::from(lanes[0] + lanes[1]));
         let same = l.splat(1.0 + SAME * pixel as f32);
+        let planes = fan.planes_of(step);
         // The next fan goes on from where this one's last rays came.
         let is_last = step + 1 == fan.to;
         let zero = l.splat(0.0);
@@ -89,6 +90,9 @@ impl<L: Lanes> March<'_, L> {
                 ([l.splat_i(0); 2], zero)
             } else {
                 let plane = l.add(l.splat((plane - base as f64) as f32), aside);
+                // However it is rounded, between planes that the step has: what lies beyond is left of other casts.
+                let last = (planes.end - 1 - base) as f32;
+                let plane = l.min(plane, l.splat(last.next_down()));
                 let seen = &seen[2 * base..];
                 if CUT {
                     cut(l, seen, base, plane, same, &corners)
