@@ -1,0 +1,129 @@
+//! Eyes and pixels at which numbers of 32 bits end.
+
+use super::verdict_of;
+use glam::{DVec2, DVec3};
+use sandtable_cast::Scene;
+use sandtable_terrain::Ground;
+use sandtable_view::{Attitude, Camera, Screen, View};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Far away a ray's place is rounded by more than a ray that passes right over a flat roof's edge has left
+/// to it, where the wall behind that edge, if it went on upwards, would be higher by twenty times as much.
+#[test]
+fn rays_that_just_pass_over_an_edge_do_not_meet_the_wall_behind() {
+    let roofs = |col: u32, row: u32| {
+        if (col / 7 + row / 5).is_multiple_of(2) {
+            8020.0
+        } else {
+            8000.0
+        }
+    };
+    let ground = Ground::from_fn(258, 514, DVec2::ONE, roofs).expect("a sound grid");
+    let view = View {
+        eye: DVec3::new(318.31, 203.77, 8029.03),
+        window: Screen {
+            lower_left: DVec3::new(-98.44, 124.78, 8010.58),
+            lower_right: DVec3::new(74.86, 90.53, 8010.58),
+            upper_left: DVec3::new(-98.44, 815.41, 8010.58),
+        },
+        size: [640, 640],
+    };
+    let verdict = verdict_of(&Scene::new(ground), view);
+    assert_eq!(verdict.wrong(), 0, "{verdict}");
+}
+
+/// Slopes, with bends, so steep that from an eye a millionth of a cell over them numbers of 32 bits cannot tell on
+/// which side it is.
+#[test]
+fn eyes_hardly_over_a_slope_see_what_brute_force_sees() {
+    for (rise, spacing) in [(0.05, 1.0), (3.0, 1.0), (30.0, 30.0)] {
+        let slope = |col: u32, row: u32| {
+            let bend = 0.37 * f64::from((col * 7 + row * 3) % 5);
+            (rise * (0.7 * f64::from(col) + 0.313 * f64::from(row) + bend)) as f32
+        };
+        let ground = Ground::from_fn(33, 33, DVec2::splat(spacing), slope).expect("a sound grid");
+        let scene = Scene::new(ground);
+        for k in 0..32_u32 {
+            let share = |by: f64| 4.0 + 24.0 * (by * f64::from(k + 1)).fract();
+            let at = spacing * DVec2::new(share(0.618_034), share(0.414_213_6));
+            let height = scene.ground.height_at(at.x, at.y).expect("on the ground");
+            let over = 10.0_f64.powi(-9 + (k % 4) as i32);
+            let view = Camera {
+                eye: at.extend(height + over),
+                attitude: Attitude {
+                    yaw: 0.37 * f64::from(k),
+                    pitch: -0.1,
+                    roll: 0.0,
+                },
+                horizontal_fov: 1.2,
+            }
+            .view([64, 48]);
+            let verdict = verdict_of(&scene, view);
+            assert_eq!(verdict.wrong(), 0, "{rise}, {k}, {over} over it: {verdict}");
+        }
+    }
+}
+
+/// Eyes so close to a wall that what is left to it is lost beside the eye's own place, looking up along it: right
+/// below its upper edge, or farther below.
+#[test]
+fn eyes_right_before_a_wall_see_where_it_ends() {
+    for (height, below) in [(0.1, 0.0), (0.1, 3.0), (0.002, 1e-4)] {
+        let teeth = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * height;
+        let ground = Ground::from_fn(40, 50, DVec2::new(1.0, 1.3), teeth).expect("a sound grid");
+        let extent = ground.grid().extent();
+        let scene = Scene::new(ground);
+        for k in 0..48_u32 {
+            let share = (0.618_034 * f64::from(k + 1)).fract();
+            let out = 10.0_f64.powi(-9 + (k % 6) as i32);
+            let along = share * extent;
+            let (at, inwards) = match k % 4 {
+                0 => (DVec2::new(-out, along.y), FRAC_PI_2),
+                1 => (DVec2::new(extent.x + out, along.y), -FRAC_PI_2),
+                2 => (DVec2::new(along.x, -out), 0.0),
+                _ => (DVec2::new(along.x, extent.y + out), 2.0 * FRAC_PI_2),
+            };
+            let edge = at.clamp(DVec2::ZERO, extent);
+            let edge = scene.ground.height_at(edge.x, edge.y);
+            let below = below + 3.0 * out;
+            let view = Camera {
+                eye: at.extend(edge.expect("on the border") - below),
+                attitude: Attitude {
+                    yaw: inwards + 0.4 * (share - 0.5),
+                    pitch: 1.2,
+                    roll: 0.3 * f64::from(k),
+                },
+                horizontal_fov: 1.6,
+            }
+            .view([160, 120]);
+            let verdict = verdict_of(&scene, view);
+            let place = format!("{k}, {out} before a wall of {height}, {below} below");
+            assert_eq!(verdict.wrong(), 0, "{place}: {verdict}");
+        }
+    }
+}
+
+/// Pixels so narrow that numbers of 32 bits tell their rays from one straight down, but hardly from one another:
+/// they meet a wall right beside the eye.
+#[test]
+fn pixels_of_a_microscope_see_what_brute_force_sees() {
+    let hills = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.05;
+    let ground = Ground::from_fn(60, 60, DVec2::ONE, hills).expect("a sound grid");
+    let scene = Scene::new(ground);
+    for k in 0..12_u32 {
+        let pixel = 10.0_f64.powi(-10 + (k % 4) as i32);
+        let size = [64, 48];
+        let view = Camera {
+            eye: DVec3::new(-9.0 * pixel, 30.6, 1.0 + f64::from(k)),
+            attitude: Attitude {
+                yaw: FRAC_PI_4 * f64::from(k),
+                pitch: -FRAC_PI_2,
+                roll: 0.0,
+            },
+            horizontal_fov: f64::from(size[0]) * pixel,
+        }
+        .view(size);
+        let verdict = verdict_of(&scene, view);
+        assert_eq!(verdict.wrong(), 0, "{k}, {pixel}: {verdict}");
+    }
+}
