@@ -116,9 +116,13 @@ const WIDTH: u32 = 1600;
 /// better shared by threads.
 const COARSENED_WIDTH: u32 = 512;
 
-/// About how many pixels a sector has that is cut across its planes, so that many threads have something
-/// to do: its first step's rays have none to begin from, and take as long as those of a few other steps.
-const SIZE: f64 = 512_000.0;
+/// About how many pixels of ground a sector has that is cut across its planes, so that many threads have
+/// something to do: its first step's rays have none to begin from, and take as long as those of some ten
+/// other steps.
+const WORK: f64 = 128_000.0;
+
+/// The same where ground is coarsened: most such images are one of a pair.
+const COARSENED_WORK: f64 = 256_000.0;
 
 /// About how far a part's lines may run along the other axis for each one along theirs: rays over the
 /// ground, in cells, and planes over the image, in pixels. With 1 + √2 and more, a view straight down has
@@ -211,11 +215,12 @@ impl UnitCaster for PlanesScene {
         };
         let bounds = Bounds {
             width: if coarsens { COARSENED_WIDTH } else { WIDTH },
-            size: if coarsens { f64::INFINITY } else { SIZE },
+            work: if coarsens { COARSENED_WORK } else { WORK },
             // A pixel's mean is taken along its plane, which must not run along lanes.
             most_slant: if coarsens { 1.0 } else { MOST_SLANT },
             eye: [eye.x, eye.y],
             cells: levels[0].cells,
+            rise: f64::from(high) - view.eye.z,
         };
         let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
         let pixels = view.size[0] as usize * view.size[1] as usize;

@@ -33,8 +33,8 @@ pub(super) struct Sector {
     sides: Vec<Side>,
     /// The image's extent across the steps.
     width: i32,
-    /// About how many pixels it has.
-    size: f64,
+    /// About how long it takes, as [`Bounds::work`] has it.
+    work: f64,
 }
 
 impl Sector {
@@ -122,12 +122,16 @@ impl Sector {
     }
 }
 
+/// How much work a pixel of sky is, where one of ground is 1.
+const SKY: f64 = 0.2;
+
 /// What sectors there may be.
 pub(super) struct Bounds {
     /// About how many pixels a step has at most.
     pub(super) width: u32,
-    /// About how many pixels a sector has at most, or half as many again.
-    pub(super) size: f64,
+    /// About how many pixels of ground a sector has at most, or half as many again; pixels of sky count for
+    /// a few of these.
+    pub(super) work: f64,
     /// About how far rays advance along the minor axis at most for each one of the major axis, in cells;
     /// and how many lanes aside a ray's predecessor lies in the step before. With 1, parts are cut along all
     /// diagonals.
@@ -135,6 +139,8 @@ pub(super) struct Bounds {
     /// Where the eye lies over the ground along both axes, in cells, and how many cells there are.
     pub(super) eye: [f64; 2],
     pub(super) cells: [i32; 2],
+    /// How high the ground's highest place lies above the eye, in metres.
+    pub(super) rise: f64,
 }
 
 impl Bounds {
@@ -170,7 +176,12 @@ impl ImageRays {
 
     /// The line on which a combination of the direction's x and y vanishes.
     fn line(&self, x: f64, y: f64) -> Line {
-        let value = |v: DVec3| x * v.x + y * v.y;
+        self.line_of(DVec3::new(x, y, 0.0))
+    }
+
+    /// The line on which a combination of the direction's components vanishes.
+    fn line_of(&self, factors: DVec3) -> Line {
+        let value = |v: DVec3| factors.dot(v);
         Line {
             at_origin: value(self.first),
             along: self.steps.map(value),
@@ -232,7 +243,12 @@ impl ImageRays {
         let mut sectors = Vec::new();
         for (part, (step_axis, direction), signs, major) in parts {
             for part in self.strips(part, step_axis, point, bounds.width) {
-                let pieces = part.pieces(step_axis, self.size[step_axis], bounds.size);
+                let above = self.above(major, signs[0], bounds);
+                let work = |part: &Part| {
+                    let sky = area(&clipped(&part.corners, |corner| above.at(corner)));
+                    part.size() - (1.0 - SKY) * sky
+                };
+                let pieces = part.pieces(step_axis, self.size[step_axis], bounds.work, work);
                 for (piece, [low, high]) in pieces {
                     sectors.push(Sector {
                         step_axis,
@@ -242,7 +258,7 @@ impl ImageRays {
                         major,
                         signs,
                         sides: piece.ordered_sides(),
-                        size: piece.size(),
+                        work: work(&piece),
                         width: self.size[1 - step_axis] as i32,
                     });
                 }
@@ -250,8 +266,22 @@ impl ImageRays {
         }
         // What is left between lines that almost meet has no pixels.
         sectors.retain(Sector::has_pixels);
-        sectors.sort_by(|a, b| b.size.total_cmp(&a.size));
+        sectors.sort_by(|a, b| b.work.total_cmp(&a.work));
         sectors
+    }
+
+    /// The line above which rays that advance along the `major` axis pass over the highest place there may
+    /// be halfway to the ground's end: most of them meet the sky.
+    fn above(&self, major: usize, sign: i32, bounds: &Bounds) -> Line {
+        let end = if sign > 0 {
+            f64::from(bounds.cells[major])
+        } else {
+            0.0
+        };
+        let halfway = 0.5 * ((end - bounds.eye[major]) * f64::from(sign)).max(1.0);
+        let mut factors = DVec3::Z;
+        factors[major] = -f64::from(sign) * bounds.rise.max(0.0) / halfway;
+        self.line_of(factors)
     }
 
     /// A part with the image's axis along which its steps run, and their direction: as it is, or cut.
@@ -371,13 +401,14 @@ mod tests {
     use sandtable_view::{Attitude, Camera, Screen};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-    fn bounds(width: u32, size: f64, most_slant: f64) -> Bounds {
+    fn bounds(width: u32, work: f64, most_slant: f64) -> Bounds {
         Bounds {
             width,
-            size,
+            work,
             most_slant,
             eye: [3.0, 4.0],
             cells: [8; 2],
+            rise: -1.0,
         }
     }
 
@@ -436,18 +467,59 @@ mod tests {
     fn large_sectors_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
-            let sectors = ImageRays::new(&view, DVec3::ONE).sectors(&bounds(150, 1e4, 1.0));
-            let pixels = |sector: &Sector| -> i32 {
-                let lanes = (0..sector.steps).map(|k| sector.lanes(k));
-                lanes.map(|[from, to]| to - from).sum()
+            let image = ImageRays::new(&view, DVec3::ONE);
+            let sectors = image.sectors(&bounds(150, 1e4, 1.0));
+            let work = |sector: &Sector| -> f64 {
+                let lanes = (0..sector.steps).map(|k| (k, sector.lanes(k)));
+                let pixels =
+                    lanes.flat_map(|(k, [from, to])| (from..to).map(move |lane| (k, lane)));
+                let works = pixels.map(|(k, lane)| {
+                    let [i, j] = sector.pixel(k, lane);
+                    let rises = view.ray(i, j).direction.z > 0.0;
+                    if rises { SKY } else { 1.0 }
+                });
+                works.sum()
             };
-            let pixels: Vec<_> = sectors.iter().map(pixels).collect();
-            assert!(!pixels.contains(&0), "{pixels:?}");
+            let works: Vec<_> = sectors.iter().map(work).collect();
+            assert!(!works.contains(&0.0), "{works:?}");
             // Corners lie up to a pixel outside.
-            let around = view.size[0] + view.size[1];
-            let in_order = |pair: &[i32]| pair[0] + 2 * around as i32 >= pair[1];
-            assert!(pixels.windows(2).all(in_order), "{pixels:?}");
-            assert!(pixels[0] < 15_000 + 2 * around as i32, "{pixels:?}");
+            let around = f64::from(view.size[0] + view.size[1]);
+            let in_order = |pair: &[f64]| pair[0] + 2.0 * around >= pair[1];
+            assert!(works.windows(2).all(in_order), "{works:?}");
+            assert!(works[0] < 15_000.0 + 2.0 * around, "{works:?}");
+        }
+    }
+
+    #[test]
+    fn sky_is_little_work() {
+        let camera = Camera {
+            eye: DVec3::new(3.0, 4.0, 5.0),
+            attitude: Attitude::default(),
+            horizontal_fov: 1.2,
+        };
+        let view = camera.view([640, 360]);
+        let last_rows = |rise: f64| {
+            let bounds = Bounds {
+                rise,
+                ..bounds(1600, 2e4, MOST_SLANT)
+            };
+            let mut begins: Vec<_> = ImageRays::new(&view, DVec3::ONE)
+                .sectors(&bounds)
+                .iter()
+                .filter(|sector| sector.signs[1] > 0)
+                .map(|sector| sector.first_step)
+                .collect();
+            begins.sort_unstable();
+            begins
+        };
+        // Half of the image is ground, and the sky's half a fifth of the work.
+        for (rise, expected) in [
+            (-1.0, vec![215, 287, 359]),
+            (1e9, vec![59, 119, 179, 239, 299, 359]),
+        ] {
+            let found = last_rows(rise);
+            let differ = found.iter().zip(&expected).any(|(a, b)| a.abs_diff(*b) > 1);
+            assert!(found.len() == expected.len() && !differ, "{found:?}");
         }
     }
 

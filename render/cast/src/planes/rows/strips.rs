@@ -77,7 +77,9 @@ impl<L: Lanes> March<'_, L> {
         if step == 1 || step > 0 && step.is_multiple_of(LOOK) {
             let [of_use, far] = self.strips_of_use(step, scratch);
             let kept = &mut scratch.strips;
-            if kept.from.is_none() && of_use >= MANY {
+            // A sector may be one of many pieces: what ceases in none of them begins in each.
+            let many = if step == 1 { 1 } else { MANY };
+            if kept.from.is_none() && of_use >= many {
                 kept.from = Some(step);
                 kept.are_wide = false;
                 scratch.keeps_patches = false;
@@ -115,9 +117,12 @@ impl<L: Lanes> March<'_, L> {
             let last = to.min(first + LANES as i32) - 1;
             ([first, last], scratch.steepest_around(first))
         });
+        // In a sector's second step, too, those count that lie a few steps back: soon there will be such, and to
+        // begin to keep strips takes longer than to wait for them.
+        let as_of = step.max(MEMORY as u32 - 1);
         let found = self.l.vectorize(
             #[inline(always)]
-            || self.predecessors(step, &runs, MEMORY - 1),
+            || self.predecessors(as_of, &runs, MEMORY - 1),
         );
         if found.none() == 0 {
             return [0; 2];

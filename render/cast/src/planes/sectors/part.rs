@@ -79,15 +79,21 @@ impl Part {
         }
     }
 
-    /// The part cut across the planes into pieces of about the same size, each with its first and last
-    /// one of the image's `steps` columns or rows: as many as make pieces of about `size` pixels.
-    pub(super) fn pieces(&self, step_axis: usize, steps: u32, size: f64) -> Vec<(Self, [i32; 2])> {
+    /// The part cut across the planes into pieces of about the same `work`, each with its first and last
+    /// one of the image's `steps` columns or rows: as many as make pieces of about `most`.
+    pub(super) fn pieces(
+        &self,
+        step_axis: usize,
+        steps: u32,
+        most: f64,
+        work: impl Fn(&Self) -> f64,
+    ) -> Vec<(Self, [i32; 2])> {
         let [low, high] = self.range(step_axis);
         // One more on both sides, as corners do not lie on pixels.
         let last = (high.ceil() as i32 + 1).min(steps as i32 - 1);
         let mut from = (low.floor() as i32 - 1).max(0);
-        let all = self.size();
-        let count = (all / size).round().max(1.0);
+        let all = work(self);
+        let count = (all / most).round().max(1.0);
         let mut pieces = Vec::new();
         for k in 1..count as u32 {
             let share = all * f64::from(k) / count;
@@ -95,7 +101,7 @@ impl Part {
             while cut - before > 1 {
                 let middle = before.midpoint(cut);
                 let piece = self.between(step_axis, [low, f64::from(middle)]);
-                if piece.size() < share {
+                if work(&piece) < share {
                     before = middle;
                 } else {
                     cut = middle;
