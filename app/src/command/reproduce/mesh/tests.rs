@@ -1,22 +1,14 @@
 //! The mesh against brute force, on whatever adapter there is (Mesa's lavapipe will do).
 
+#[path = "../../../../../render/stage/tests/offscreen/gpu_thread.rs"]
+mod gpu_thread;
+
+use self::gpu_thread::on_a_gpu;
 use super::*;
 use image::Rgba;
 use sandtable_cast::{Brute, CastPool, Image, Scene, standpoints};
 use sandtable_terrain::{Photo, TerrainSource, TiledRaster};
 use sandtable_view::{Attitude, Camera};
-
-/// A GPU, or `None` with a message where the machine has no adapter at all.
-fn gpu() -> Option<Gpu> {
-    match Gpu::offscreen() {
-        Ok(gpu) => Some(gpu),
-        Err(GpuError::NoAdapter(error)) => {
-            eprintln!("skipped: no graphics adapter ({error})");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-}
 
 fn ridges(size: u32) -> Ground {
     let source = TerrainSource::Ridges { size, seed: 0 };
@@ -157,21 +149,22 @@ fn assert_like_brute_force(name: &str, gpu: &Gpu, ground: &Ground, view: View) {
 
 #[test]
 fn pitched_rolled_and_table_views_are_brute_forces() {
-    let Some(gpu) = gpu() else { return };
-    let ground = ridges(129);
-    let [pitched, ..] = &standpoints::mixed(&ground)[..] else {
-        panic!("a pitched view comes first");
-    };
-    let rolled = standpoints::wan(&ground, 0.3);
-    // Far to the right of the glass's middle, so that the view is off-axis both ways.
-    let table = standpoints::at_table(&ground, DVec3::new(0.5, -0.75, 0.6), [480, 293]);
-    for (name, view) in [
-        ("pitched", pitched.view),
-        ("rolled", rolled),
-        ("table", table),
-    ] {
-        assert_like_brute_force(name, &gpu, &ground, view);
-    }
+    on_a_gpu(|gpu| {
+        let ground = ridges(129);
+        let [pitched, ..] = &standpoints::mixed(&ground)[..] else {
+            panic!("a pitched view comes first");
+        };
+        let rolled = standpoints::wan(&ground, 0.3);
+        // Far to the right of the glass's middle, so that the view is off-axis both ways.
+        let table = standpoints::at_table(&ground, DVec3::new(0.5, -0.75, 0.6), [480, 293]);
+        for (name, view) in [
+            ("pitched", pitched.view),
+            ("rolled", rolled),
+            ("table", table),
+        ] {
+            assert_like_brute_force(name, &gpu, &ground, view);
+        }
+    });
 }
 
 /// Level ground under a photograph of noise that reaches over its western half and beyond, with
@@ -203,48 +196,49 @@ fn photographed() -> Ground {
 
 #[test]
 fn a_photograph_lies_where_brute_force_has_it() {
-    let Some(gpu) = gpu() else { return };
-    let ground = photographed();
-    let photo = ground.photo().unwrap();
-    let camera = |eye, pitch| Camera {
-        eye,
-        attitude: Attitude {
-            yaw: 0.3,
-            pitch,
-            roll: 0.0,
-        },
-        horizontal_fov: 1.2,
-    };
-    // Pixels compared where there is tint, and where there is photograph.
-    let mut compared = [0, 0];
-    // From above, and from a hand's breadth over the ground, some of it behind the eye.
-    for camera in [
-        camera(DVec3::new(20.0, -10.0, 60.0), -0.9),
-        camera(DVec3::new(21.0, 9.0, 3.1), -0.1),
-    ] {
-        let view = camera.view([320, 240]);
-        let exact = brute(&ground, view);
-        let mesh = Mesh::new(&gpu, &ground, &view).unwrap().image().unwrap();
-        let seen = seen(&ground, &exact);
-        let off = off_silhouette(&mesh, &seen);
-        assert!(off < 0.0001, "{off} of the pixels");
-        for ((found, wanted), seen) in mesh.pixels().zip(exact.colour()).zip(&seen) {
-            let Seen::Surface(point) = seen else { continue };
-            // A texel's width from where photograph and tint meet they blend.
-            let covered = |east: f64, north: f64| {
-                let at = point.truncate() + DVec2::new(east, north) * photo.spacing;
-                photo.colour_at(at.x, at.y).is_some()
-            };
-            let here = covered(0.0, 0.0);
-            let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-            if is_ground(found) && corners.iter().all(|&(x, y)| covered(x, y) == here) {
-                compared[usize::from(here)] += 1;
-                let off = (0..3).map(|k| found.0[k].abs_diff(wanted[k])).max();
-                assert!(off <= Some(3), "{found:?} is not {wanted:?} at {point}");
+    on_a_gpu(|gpu| {
+        let ground = photographed();
+        let photo = ground.photo().unwrap();
+        let camera = |eye, pitch| Camera {
+            eye,
+            attitude: Attitude {
+                yaw: 0.3,
+                pitch,
+                roll: 0.0,
+            },
+            horizontal_fov: 1.2,
+        };
+        // Pixels compared where there is tint, and where there is photograph.
+        let mut compared = [0, 0];
+        // From above, and from a hand's breadth over the ground, some of it behind the eye.
+        for camera in [
+            camera(DVec3::new(20.0, -10.0, 60.0), -0.9),
+            camera(DVec3::new(21.0, 9.0, 3.1), -0.1),
+        ] {
+            let view = camera.view([320, 240]);
+            let exact = brute(&ground, view);
+            let mesh = Mesh::new(&gpu, &ground, &view).unwrap().image().unwrap();
+            let seen = seen(&ground, &exact);
+            let off = off_silhouette(&mesh, &seen);
+            assert!(off < 0.0001, "{off} of the pixels");
+            for ((found, wanted), seen) in mesh.pixels().zip(exact.colour()).zip(&seen) {
+                let Seen::Surface(point) = seen else { continue };
+                // A texel's width from where photograph and tint meet they blend.
+                let covered = |east: f64, north: f64| {
+                    let at = point.truncate() + DVec2::new(east, north) * photo.spacing;
+                    photo.colour_at(at.x, at.y).is_some()
+                };
+                let here = covered(0.0, 0.0);
+                let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+                if is_ground(found) && corners.iter().all(|&(x, y)| covered(x, y) == here) {
+                    compared[usize::from(here)] += 1;
+                    let off = (0..3).map(|k| found.0[k].abs_diff(wanted[k])).max();
+                    assert!(off <= Some(3), "{found:?} is not {wanted:?} at {point}");
+                }
             }
         }
-    }
-    assert!(compared.iter().all(|&pixels| pixels > 1000), "{compared:?}");
+        assert!(compared.iter().all(|&pixels| pixels > 1000), "{compared:?}");
+    });
 }
 
 #[test]
@@ -276,42 +270,44 @@ fn what_the_adapter_cannot_hold_is_refused_with_its_limit() {
     );
     assert!(check_buffers(grid(20_000), u64::MAX).is_err());
 
-    let Some(gpu) = gpu() else { return };
-    let strip = Ground::from_fn(gpu.longest_side() + 1, 2, DVec2::ONE, |_, _| 0.0).unwrap();
-    let view = standpoints::wan(&strip, 0.0);
-    let refusal = |ground: &Ground, view: &View| match Mesh::new(&gpu, ground, view) {
-        Ok(_) => panic!("a mesh was made"),
-        Err(error) => error.to_string(),
-    };
-    let error = refusal(&strip, &view);
-    assert!(error.contains("max_texture_dimension_2d"), "{error}");
+    on_a_gpu(|gpu| {
+        let strip = Ground::from_fn(gpu.longest_side() + 1, 2, DVec2::ONE, |_, _| 0.0).unwrap();
+        let view = standpoints::wan(&strip, 0.0);
+        let refusal = |ground: &Ground, view: &View| match Mesh::new(&gpu, ground, view) {
+            Ok(_) => panic!("a mesh was made"),
+            Err(error) => error.to_string(),
+        };
+        let error = refusal(&strip, &view);
+        assert!(error.contains("max_texture_dimension_2d"), "{error}");
 
-    let small = ridges(33);
-    let size = [gpu.longest_side() + 1, 1];
-    let error = refusal(&small, &View { size, ..view });
-    assert!(error.contains(&gpu.longest_side().to_string()), "{error}");
-    let error = refusal(
-        &small,
-        &View {
-            size: [0, 9],
-            ..view
-        },
-    );
-    assert!(error.contains("no pixels"), "{error}");
-    let eye = view.window.centre();
-    assert_eq!(refusal(&small, &View { eye, ..view }), error);
-    assert_eq!(gpu.take_error(), None);
+        let small = ridges(33);
+        let size = [gpu.longest_side() + 1, 1];
+        let error = refusal(&small, &View { size, ..view });
+        assert!(error.contains(&gpu.longest_side().to_string()), "{error}");
+        let error = refusal(
+            &small,
+            &View {
+                size: [0, 9],
+                ..view
+            },
+        );
+        assert!(error.contains("no pixels"), "{error}");
+        let eye = view.window.centre();
+        assert_eq!(refusal(&small, &View { eye, ..view }), error);
+        assert_eq!(gpu.take_error(), None);
+    });
 }
 
 #[test]
 fn a_lost_device_is_an_error() {
-    let Some(gpu) = gpu() else { return };
-    let ground = ridges(33);
-    let view = standpoints::wan(&ground, 0.0);
-    let mesh = Mesh::new(&gpu, &ground, &view).unwrap();
-    mesh.as_work()().unwrap();
-    gpu.device.destroy();
-    assert!(mesh.as_work()().is_err());
-    assert!(mesh.image().is_err());
-    assert!(Mesh::new(&gpu, &ground, &view).is_err());
+    on_a_gpu(|gpu| {
+        let ground = ridges(33);
+        let view = standpoints::wan(&ground, 0.0);
+        let mesh = Mesh::new(&gpu, &ground, &view).unwrap();
+        mesh.as_work()().unwrap();
+        gpu.device.destroy();
+        assert!(mesh.as_work()().is_err());
+        assert!(mesh.image().is_err());
+        assert!(Mesh::new(&gpu, &ground, &view).is_err());
+    });
 }
