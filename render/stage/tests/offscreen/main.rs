@@ -6,7 +6,7 @@ use self::gpu_thread::on_a_gpu;
 use glam::DVec3;
 use image::RgbaImage;
 use sandtable_cast::Image;
-use sandtable_stage::{Composing, FramePainter, Gpu, GpuError, Panel, StereoMode, compose};
+use sandtable_stage::{Composing, FramePainter, Gpu, Panel, StereoMode, compose};
 use sandtable_view::{Screen, View};
 
 /// An image in which every pixel differs from its neighbours.

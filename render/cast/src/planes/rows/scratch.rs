@@ -61,6 +61,8 @@ pub(in crate::planes) struct Scratch {
     pub(super) shading: Box<Shading>,
     /// Colours and depths of the last steps.
     pub(super) pixels: PixelBlock,
+    #[cfg(debug_assertions)]
+    left_sky: bool,
 }
 
 impl Scratch {
@@ -72,7 +74,21 @@ impl Scratch {
             use_huge_pages(seen.spare_capacity_mut());
             seen.resize(room, [0; 2]);
         }
+        #[cfg(debug_assertions)]
+        seen[..room].fill(self.left_over());
         seen
+    }
+
+    /// What stands for pixels that have been left of other casts: sky, and next time no number, so that
+    /// tests see the difference where they are read.
+    #[cfg(debug_assertions)]
+    fn left_over(&mut self) -> [i32; 2] {
+        self.left_sky = !self.left_sky;
+        if self.left_sky {
+            [0; 2]
+        } else {
+            [f32::NAN.to_bits() as i32; 2]
+        }
     }
 
     /// Which lanes are led over the ground of the chunk of a step that begins `lanes` behind its first

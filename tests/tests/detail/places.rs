@@ -1,4 +1,4 @@
-//! Level of detail over random ground, near and far: what a pixel shows is there.
+//! Random ground, near and far: what a pixel shows is there.
 
 use sandtable_cast::{CastPool, Image, Planes, PreparedScene, Scene, caster_by_name};
 use sandtable_terrain::{Ground, Photo, TiledRaster};

@@ -1,0 +1,4 @@
+//! Level of detail.
+
+mod hard;
+mod places;
