@@ -117,8 +117,8 @@ const WIDTH: u32 = 1600;
 const COARSENED_WIDTH: u32 = 512;
 
 /// About how many pixels of ground a sector has that is cut across its planes, so that many threads have
-/// something to do: its first step's rays have none to begin from, and take as long as those of some ten
-/// other steps.
+/// something to do: its first step's rays have none to begin from, and take as long as those of two to
+/// nine other steps.
 const WORK: f64 = 128_000.0;
 
 /// The same where ground is coarsened: most such images are one of a pair.

@@ -129,8 +129,8 @@ const SKY: f64 = 0.2;
 pub(super) struct Bounds {
     /// About how many pixels a step has at most.
     pub(super) width: u32,
-    /// About how many pixels of ground a sector has at most, or half as many again; pixels of sky count for
-    /// a few of these.
+    /// About how many pixels of ground a sector has at most, or half as many again; each pixel of sky counts
+    /// for [`SKY`] of one.
     pub(super) work: f64,
     /// About how far rays advance along the minor axis at most for each one of the major axis, in cells;
     /// and how many lanes aside a ray's predecessor lies in the step before. With 1, parts are cut along all
@@ -503,14 +503,14 @@ mod tests {
                 rise,
                 ..bounds(1600, 2e4, MOST_SLANT)
             };
-            let mut begins: Vec<_> = ImageRays::new(&view, DVec3::ONE)
+            let mut rows: Vec<_> = ImageRays::new(&view, DVec3::ONE)
                 .sectors(&bounds)
                 .iter()
                 .filter(|sector| sector.signs[1] > 0)
                 .map(|sector| sector.first_step)
                 .collect();
-            begins.sort_unstable();
-            begins
+            rows.sort_unstable();
+            rows
         };
         // Half of the image is ground, and the sky's half a fifth of the work.
         for (rise, expected) in [
