@@ -170,10 +170,18 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                     || march.send_left(led, scratch),
                 );
             } else {
-                l.vectorize(
-                    #[inline(always)]
-                    || march.set_out(step, led, &before, canvas, scratch, tally),
-                );
+                // Apart, so that rays that keep no strips leave their registers to other things.
+                if keeps_strips {
+                    l.vectorize(
+                        #[inline(always)]
+                        || march.set_out(step, led, &before, true, canvas, scratch, tally),
+                    );
+                } else {
+                    l.vectorize(
+                        #[inline(always)]
+                        || march.set_out(step, led, &before, false, canvas, scratch, tally),
+                    );
+                }
                 march.depart((led[1] - led[0]) as usize, scratch, tally);
             }
             march.go_on(scratch, unfinished, tally);

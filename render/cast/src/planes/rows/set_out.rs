@@ -70,11 +70,16 @@ impl<L: Lanes> Stay<L> {
 impl<L: Lanes> March<'_, L> {
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
     #[inline(always)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "which rays, from where, and to where"
+    )]
     pub(super) fn set_out<T: Tally>(
         &self,
         step: u32,
         lanes: [i32; 2],
         from: &Before,
+        keeps_strips: bool,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
         tally: &mut T,
@@ -86,7 +91,6 @@ impl<L: Lanes> March<'_, L> {
         let oblong = l.splat(self.oblong as f32);
         let slot = self.slot(step);
         let asked = scratch.pixels.asked(canvas, self.sector, step);
-        let keeps_strips = scratch.strips.are_kept();
         for first in (lanes[0]..lanes[1]).step_by(LANES) {
             let at = slot + MARGIN + first as usize;
             let count = (lanes[1] - first).min(LANES as i32);

@@ -72,9 +72,19 @@ impl StripsKept {
 }
 
 impl<L: Lanes> March<'_, L> {
-    /// Begins to keep strips or ceases to, and finds how wide those of a step are.
+    /// Begins to keep strips or ceases to, and finds how wide those of a step are where that is of use.
     pub(super) fn look_at_strips(&self, step: u32, scratch: &mut Scratch) {
-        if step == 1 || step > 0 && step.is_multiple_of(LOOK) {
+        let looks = step == 1 || step > 0 && step.is_multiple_of(LOOK);
+        if !looks && !scratch.strips.are_kept() {
+            return;
+        }
+        let width = self.strip_width(step, scratch.lanes[step as usize % MEMORY]);
+        let kept = &mut scratch.strips;
+        if !kept.are_kept() {
+            kept.widths = [0.0; MEMORY];
+        }
+        kept.widths[step as usize % MEMORY] = width;
+        if looks {
             let [of_use, far] = self.strips_of_use(step, scratch);
             let kept = &mut scratch.strips;
             // A sector may be one of many pieces: what ceases in none of them begins in each.
@@ -92,11 +102,8 @@ impl<L: Lanes> March<'_, L> {
                 kept.from = Some(step);
             }
         }
-        let width = self.strip_width(step, scratch.lanes[step as usize % MEMORY]);
-        let kept = &mut scratch.strips;
-        kept.widths[step as usize % MEMORY] = width;
         if width.is_infinite() {
-            kept.from = None;
+            scratch.strips.from = None;
         }
     }
 
