@@ -19,6 +19,7 @@ mod pinned_pool;
 mod random;
 mod random_heads;
 mod scenes;
+mod warm_up;
 
 use anyhow::{Result, ensure};
 use clap::Parser;

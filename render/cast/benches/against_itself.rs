@@ -7,6 +7,7 @@ mod itself;
 mod pinned_pool;
 mod scenes;
 mod turns;
+mod warm_up;
 
 use anyhow::{Result, ensure};
 use clap::Parser;

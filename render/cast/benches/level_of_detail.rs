@@ -7,6 +7,7 @@ mod detail;
 mod pinned_pool;
 mod scenes;
 mod turns;
+mod warm_up;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;

@@ -1,37 +1,27 @@
 //! Casts and other repetitions that take turns.
 
 use crate::scenes::BenchScene;
+use crate::warm_up::warm_up;
 use anyhow::Result;
 use sandtable_cast::{CastPool, Image, PreparedScene, caster_by_name};
 use sandtable_view::View;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// How long a repetition is repeated before it is timed: threads that slept are slower at first, by
-/// half in their first millisecond or two.
-const WARM_UP: Duration = Duration::from_millis(20);
+use std::time::Instant;
 
 /// Something that is timed, again and again.
 pub(crate) type Entry<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
 
 /// The milliseconds of each of `entries`, over `rounds` repetitions, from the least on.
 ///
-/// Each timed repetition comes after others that are not, one at least, for as long as caches and a
-/// processor that has been idle take until times are steady; every other time entries take turns in
-/// reverse.
+/// Each timed repetition comes after others that are not ([`warm_up`]), and every other time they take
+/// turns in reverse.
 pub(crate) fn timed(rounds: usize, mut entries: Vec<Entry<'_>>) -> Result<Vec<Vec<f64>>> {
     let mut times = vec![Vec::with_capacity(rounds); entries.len()];
     let mut order: Vec<_> = (0..entries.len()).collect();
     for _ in 0..rounds {
         for &place in &order {
             let entry = &mut entries[place];
-            let warming = Instant::now();
-            loop {
-                entry()?;
-                if warming.elapsed() >= WARM_UP {
-                    break;
-                }
-            }
+            warm_up(&mut *entry)?;
             let begin = Instant::now();
             entry()?;
             times[place].push(begin.elapsed().as_secs_f64() * 1e3);

@@ -6,6 +6,7 @@ pub(crate) mod report;
 
 use crate::embree::{Built, Embree, Geometry};
 use crate::scenes::BenchScene;
+use crate::warm_up::warm_up;
 use accuracy::Truth;
 use anyhow::Result;
 use report::{Holding, Line, Run};
@@ -154,9 +155,12 @@ impl<'a> Contest<'a> {
         }
         for _ in 0..rounds {
             for (contender, _, times) in &mut taking_part {
-                // The others' frames have taken the caches: a frame before the timed one brings
-                // back what a flight's last frame would have left.
-                self.frame(*contender, &at.view, pool)?;
+                // The others' frames have taken the caches, and threads have slept: frames before the
+                // timed one bring back what a flight's last ones would have left.
+                warm_up(|| {
+                    self.frame(*contender, &at.view, pool)?;
+                    Ok(())
+                })?;
                 times.extend(self.frame(*contender, &at.view, pool)?);
             }
             // Every other time in reverse, so that none always comes after the same other one.
