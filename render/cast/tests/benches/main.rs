@@ -12,3 +12,5 @@ mod scenes;
 mod terrains;
 mod turns;
 mod views;
+#[path = "../../benches/warm_up.rs"]
+mod warm_up;
