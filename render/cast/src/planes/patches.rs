@@ -111,12 +111,12 @@ impl Patches {
     #[inline(always)]
     pub(super) fn block(&self, number: usize) -> Block<'_> {
         let at = self.place(number);
-        let mut numbers = self.bits.chunks_exact(self.apart).map(|numbers| {
-            let block = numbers[at..].first_chunk();
-            block.expect("room for a block")
-        });
-        let mut next = || numbers.next().expect("there are all numbers");
-        Block([next(), next(), next(), next(), next()])
+        // Not in chunks: to know how many of them there are takes a division.
+        let block = |number: usize| {
+            let numbers = &self.bits[number * self.apart + at..];
+            numbers.first_chunk().expect("room for a block")
+        };
+        Block(std::array::from_fn(block))
     }
 
     /// Writes what a group's rays met that begins at a ray with a number.

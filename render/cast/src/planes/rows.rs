@@ -13,6 +13,7 @@ mod strips;
 mod survey;
 
 pub(super) use directions::Directions;
+use directions::STEEP;
 pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
@@ -69,6 +70,8 @@ struct March<'a, L: Lanes> {
     bounds: [[f32; 2]; 2],
     /// The slope, metres for each 1 of t, of rays that cannot be told from one straight down.
     straight_down: f32,
+    /// Rays with no more than this along the major axis are cast as if they had that much, all with one slope.
+    least_major: f64,
 }
 
 /// Casts a sector's pixels.
@@ -280,6 +283,7 @@ impl<'a, L: Lanes> March<'a, L> {
             steepest,
             bounds,
             straight_down: -STRAIGHT_DOWN * spacing[sector.major] as f32,
+            least_major: 1.001 * STEEP * frame.rays.first.length(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! From which ray before it a ray may begin.
 
 use super::March;
-use super::directions::{Directions, STEEP};
+use super::directions::Directions;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
 use crate::lanes::{LANES, Lanes};
 use crate::planes::sectors::WHOLE;
@@ -143,8 +143,7 @@ impl<L: Lanes> March<'_, L> {
         let higher = |end: DVec3, to: DVec3| end.z * to.x - to.z * end.x;
         // Rays that enter the ground from its side must do so no earlier.
         let may_enter_earlier = self.bounds[1][0] <= 0.0;
-        // Rays with less along the major axis are cast as if they had that much, all with one slope.
-        let least_major = 1.001 * STEEP * self.frame.rays.first.length();
+        let least_major = self.least_major;
         let mut found = Predecessors {
             steps: [0.0; N],
             lanes: [0.0; N],
