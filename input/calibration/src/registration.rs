@@ -29,6 +29,9 @@ const FAR_BETTER: f64 = 3.0;
 /// No hand touches better than this, in metres: below it no fit is called worse.
 const TOUCH: f64 = 1e-3;
 
+/// Of so many touches that fit worst, each two are tried in each other's place.
+const MOST_EXCHANGED: usize = 30;
+
 /// A scale farther from 1 than this is reported.
 const SCALE_LIMIT: f64 = 0.01;
 
@@ -64,6 +67,17 @@ pub struct Registration {
 pub enum Finding {
     /// One touch disagrees with all others.
     Outlier(Outlier),
+    /// Two marks were touched in each other's place: then all fit far better.
+    Exchanged {
+        /// The two touches.
+        touches: [Item; 2],
+        /// Two others that fit about as well exchanged, as where marks lie in a plane, alike on both sides.
+        or: Option<[Item; 2]>,
+        /// RMS distance of the best rotation with a shift and a scale, in metres, as they were touched.
+        touched: f64,
+        /// The same with `touches` exchanged.
+        exchanged: f64,
+    },
     /// The tracker's lengths are over 1 % off, and by more than the noise explains.
     WrongScale {
         /// Marked metres for one measured metre.
@@ -85,6 +99,23 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Outlier(outlier) => outlier.fmt(f),
+            Self::Exchanged {
+                touches: [first, second],
+                or,
+                touched,
+                exchanged,
+            } => {
+                write!(f, "{first} and {second}")?;
+                if let Some([first, second]) = or {
+                    write!(f, ", or {first} and {second},")?;
+                }
+                write!(
+                    f,
+                    " seem to be touched in each other's place: exchanged, all points fit to {:.1} mm RMS instead of {:.1}; touch both again",
+                    1e3 * exchanged,
+                    1e3 * touched
+                )
+            }
             Self::WrongScale {
                 factor,
                 standard_error,
@@ -123,7 +154,8 @@ impl fmt::Display for Finding {
 /// coordinate, n of them put their centroid right to σ √(3/n). An outlier is named by leaving each
 /// touch out in turn ([`Outlier`]): of sets with equal Gaussian noise and no outlier about 1 in
 /// 100 has a point named. Two outliers that agree with one another can hide; the residuals
-/// still show them.
+/// still show them. Two marks that were touched in each other's place are told by exchanging each
+/// two of those that fit worst; what else is found holds with those two exchanged.
 ///
 /// # Errors
 /// With fewer than 3 touches or more than 1000; with coordinates that are not finite or beyond
@@ -134,20 +166,28 @@ impl fmt::Display for Finding {
 pub fn register(touches: &[Touch]) -> Result<Registration, CalibrationError> {
     admit(touches)?;
     let no_convergence = CalibrationError::NoConvergence { of: Items::Touches };
-    let moments = Moments::of(touches);
-    let fit = moments.fit().ok_or(no_convergence.clone())?;
-    fit.refuse_mirror()?;
+    let fit = Moments::of(touches).fit().ok_or(no_convergence.clone())?;
+    let mut findings = Vec::new();
+    let mut believed = touches.to_vec();
+    if let Some((finding, [first, second])) = fit.exchanged(touches) {
+        findings.push(finding);
+        believed[first].measured = touches[second].measured;
+        believed[second].measured = touches[first].measured;
+    }
+    let moments = Moments::of(&believed);
+    let believed_fit = moments.fit().ok_or(no_convergence.clone())?;
+    believed_fit.refuse_mirror()?;
 
     let outliers = Problem {
         of: Items::Touches,
-        count: touches.len(),
+        count: believed.len(),
         equations: 3,
         // Rotation, shift and scale: a wrong range must not make the outermost point an outlier.
         parameters: 7,
         false_share: FALSE_SHARE,
     }
-    .outliers(|kept| delete_each(touches, &moments, kept));
-    let kept = moments.without(outliers.iter().map(|o| &touches[o.item.index]));
+    .outliers(|kept| delete_each(&believed, &moments, kept));
+    let kept = moments.without(outliers.iter().map(|o| &believed[o.item.index]));
     let kept_fit = kept.fit().ok_or(no_convergence)?;
     kept_fit.refuse_mirror()?;
 
@@ -157,7 +197,7 @@ pub fn register(touches: &[Touch]) -> Result<Registration, CalibrationError> {
             .point(touch.measured)
             .distance(touch.marked)
     };
-    let mut findings: Vec<_> = outliers.into_iter().map(Finding::Outlier).collect();
+    findings.extend(outliers.into_iter().map(Finding::Outlier));
     findings.extend(kept_fit.scale_finding());
     findings.extend(kept_fit.handedness_finding());
     Ok(Registration {
@@ -391,6 +431,48 @@ impl Fit {
             (self.rotated / self.count).sqrt(),
             (self.mirrored / self.count).sqrt(),
         )
+    }
+
+    /// Two touches that fit far better in each other's place, and what to say of them.
+    fn exchanged(&self, touches: &[Touch]) -> Option<(Finding, [usize; 2])> {
+        let (touched, _) = self.both_rms();
+        if touched <= TOUCH {
+            return None;
+        }
+        let off = |k: &usize| {
+            self.scaled(touches[*k].measured)
+                .distance(touches[*k].marked)
+        };
+        let mut worst: Vec<_> = (0..touches.len()).collect();
+        worst.sort_by(|a, b| off(b).total_cmp(&off(a)));
+        worst.truncate(MOST_EXCHANGED);
+        let all = Moments::of(touches);
+        let pairs = (1..worst.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+        let mut tried: Vec<_> = pairs
+            .filter_map(|(j, k)| {
+                let mut pair = [worst[j], worst[k]];
+                pair.sort_unstable();
+                let [a, b] = pair.map(|k| touches[k]);
+                let mut exchanged = all.without([&a, &b]);
+                for (measured, marked) in [(a.measured, b.marked), (b.measured, a.marked)] {
+                    exchanged.add(&Touch { measured, marked }, 1.0);
+                }
+                Some((exchanged.fit()?.both_rms().0, pair))
+            })
+            .collect();
+        tried.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let &(exchanged, pair) = tried.first()?;
+        let or = tried.get(1).filter(|(other, _)| {
+            // As well as a hand touches, or nearly as well as the first.
+            *other < (2.0 * exchanged).max(TOUCH)
+        });
+        let finding = Finding::Exchanged {
+            touches: pair.map(item),
+            or: or.map(|(_, pair)| pair.map(item)),
+            touched,
+            exchanged,
+        };
+        (touched > FAR_BETTER * exchanged).then_some((finding, pair))
     }
 
     fn refuse_mirror(&self) -> Result<(), CalibrationError> {

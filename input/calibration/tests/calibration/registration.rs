@@ -145,6 +145,76 @@ fn two_outliers_are_both_named() {
 }
 
 #[test]
+fn marks_that_were_touched_in_each_others_place_are_named() {
+    for seed in 0..100 {
+        let (_, mut touches) = touches(seed, 6, 1e-3);
+        let pair = [seed as usize % 5, 5];
+        let apart = touches[pair[0]].marked.distance(touches[pair[1]].marked);
+        let [a, b] = pair.map(|k| touches[k].measured);
+        (touches[pair[0]].measured, touches[pair[1]].measured) = (b, a);
+        if apart < 0.05 {
+            continue;
+        }
+        let found = register(&touches).unwrap();
+        let [
+            Finding::Exchanged {
+                touches: named,
+                touched,
+                exchanged,
+                ..
+            },
+            ..,
+        ] = found.findings[..]
+        else {
+            panic!("seed {seed}: {:?}", found.findings);
+        };
+        assert_eq!(named.map(|item| item.index), pair, "seed {seed}");
+        assert!(exchanged < 3e-3 && touched > 3.0 * exchanged, "seed {seed}");
+        let text = found.findings[0].to_string();
+        let names = format!("point {} and point 6", pair[0] + 1);
+        assert!(text.starts_with(&names), "{text}");
+        // Each touch counts as it was.
+        assert!(found.residuals.rms > 2.0 * exchanged, "seed {seed}");
+    }
+}
+
+/// Of a rectangle's corners, either the two in front or the two behind, seen from below.
+#[test]
+fn where_two_pairs_may_be_exchanged_both_are_named() {
+    let corners = [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]];
+    let mut noise = Noise::seeded(8);
+    let mut touches = corners.map(|[x, y]| Touch {
+        measured: DVec3::new(x, y, 0.1) + noise.vector(5e-4),
+        marked: DVec3::new(x, y, 0.0),
+    });
+    let measured = [touches[1].measured, touches[0].measured];
+    (touches[0].measured, touches[1].measured) = (measured[0], measured[1]);
+    let text = register(&touches).unwrap().findings[0].to_string();
+    let pairs = ["point 1 and point 2", "point 3 and point 4"];
+    assert!(pairs.iter().all(|pair| text.contains(pair)), "{text}");
+}
+
+#[test]
+fn what_slipped_is_not_taken_for_exchanged() {
+    for seed in 0..1000 {
+        let (_, mut touches) = touches(seed, 4 + seed as usize % 9, 1e-3);
+        if seed % 2 == 0 {
+            touches[2].measured += 0.04 * Noise::seeded(seed).direction();
+        }
+        // Four places at random may lie in a line.
+        let Ok(found) = register(&touches) else {
+            continue;
+        };
+        let exchanged = |finding: &Finding| matches!(finding, Finding::Exchanged { .. });
+        assert!(
+            !found.findings.iter().any(exchanged),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+    }
+}
+
+#[test]
 fn plain_noise_has_a_point_named_in_one_set_of_a_hundred_at_most() {
     for count in [4, 6, 12, 40] {
         let named = (0..1000)
