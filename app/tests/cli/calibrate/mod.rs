@@ -230,6 +230,35 @@ fn a_mark_that_was_missed_may_be_touched_again() {
 }
 
 #[test]
+fn marks_that_were_touched_in_each_others_place_are_named_and_touched_again() {
+    let folder = folder();
+    folder.write("rig.toml", with_tip());
+    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
+    let mut bird = Bird::start(&folder, "");
+    let mut talk = Talk::start(&folder, arguments);
+    for (name, at) in MARKS.map(|(name, _)| name).iter().zip([1, 0, 2, 3, 4]) {
+        talk.hear(&format!("touch \"{name}\""));
+        bird.touch(MARKS[at].1, TIP, [10.0, 20.0, 0.0]);
+        talk.measure();
+    }
+    talk.hear("Enter shows the lines");
+    for (name, place) in &MARKS[..2] {
+        let number = if *name == "front left" { "t1" } else { "t2" };
+        talk.say(number);
+        talk.hear(&format!("again: touch \"{name}\""));
+        bird.touch(*place, TIP, [0.0, 20.0, 10.0]);
+        talk.measure();
+        talk.hear("is touched again");
+        talk.hear("Enter shows the lines");
+    }
+    talk.say("");
+    let ended = talk.end().done();
+    let note = "note: point 1 and point 2 seem to be touched in each other's place";
+    assert_eq!(ended.out.matches(note).count(), 1, "{ended:?}");
+    assert!(rms(&ended.out)[2] < 1.0, "{ended:?}");
+}
+
+#[test]
 fn a_stylus_tip_is_found_by_pivoting() {
     let folder = folder();
     let mut bird = Bird::start(&folder, "");
