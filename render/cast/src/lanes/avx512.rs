@@ -479,8 +479,9 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn compress_i(self, mask: __mmask16, value: __m512i, to: &mut [i32; LANES]) {
-        // Zen 5 closes up a register in as much time as it moves lanes of four about, and takes eight times as long
-        // where that goes to memory at once. So lanes' numbers are closed up, once for all columns of a mask.
+        // Not the instruction that compresses to memory, which some processors run slowly. And lanes' numbers, once for
+        // all columns of a mask, which follow them: Zen 5 needs four times as long to close up a register as to move
+        // its lanes to where numbers say.
         on_values!({
             let numbers = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             let order = _mm512_maskz_compress_epi32(mask, numbers);
