@@ -13,6 +13,7 @@ mod gpu;
 mod hid;
 mod program;
 mod remedy;
+mod rig;
 mod serial;
 mod sound;
 #[cfg(target_os = "linux")]
@@ -47,10 +48,12 @@ pub(crate) fn examine(rig: Option<Rig>) -> Report {
         Check::new("sound_outputs", "Sound outputs", sound::examine),
         Check::new("programs", "Programs", program::examine),
     ];
-    checks.extend(rig.map(|rig| {
+    if let Some(rig) = rig {
+        let found = rig::examine(&rig);
+        checks.push(Check::new("rig", "The rig", || Ok(found)));
         let examine = move || device::examine(&rig);
-        Check::new("devices", "Devices of the rig", examine)
-    }));
+        checks.push(Check::new("devices", "Devices of the rig", examine));
+    }
     run(checks, LIMIT)
 }
 

@@ -29,6 +29,7 @@ mod body;
 mod calibrated;
 mod controls;
 mod device;
+mod doubt;
 mod error;
 mod field_correction;
 mod fields;
@@ -49,6 +50,7 @@ pub use device::{
     Hemisphere, HidAddress, HidBit, HidField, HidFinger, HidGlove, Pinch, QuaternionSign, Range,
     RecordFormat, Side, Tracking, VRPN_PORT, Vrpn, VrpnAddress, VrpnFinger, VrpnGlove, VrpnPart,
 };
+pub use doubt::Doubt;
 pub use error::RigError;
 pub use field_correction::FieldCorrection;
 pub use intents::{

@@ -42,6 +42,17 @@ pub struct Table {
     pub exaggeration: f64,
 }
 
+impl Table {
+    /// How far in metres a place in table metres is before the glass, on the side from which it is seen; negative
+    /// behind it.
+    #[must_use]
+    pub fn before_glass(&self, place: DVec3) -> f64 {
+        let across = self.lower_right - self.lower_left;
+        let upwards = self.upper_left - self.lower_left;
+        (place - self.lower_left).dot(across.cross(upwards).normalize())
+    }
+}
+
 /// A length, or a share of the one that its owner names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {

@@ -45,6 +45,9 @@ pub(crate) fn run(args: &FlyArgs) -> Result<()> {
             if let Some(age) = &age {
                 tracing::info!("{age}");
             }
+            for doubt in rig.doubts() {
+                tracing::warn!("rig {:?}: {doubt}", rig.name);
+            }
             rig
         }
     };

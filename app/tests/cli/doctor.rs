@@ -51,6 +51,31 @@ fn programs_get_the_same_as_json() {
     assert_ne!(report["displays"]["advice"], serde_json::json!([]));
 }
 
+#[test]
+fn a_rigs_corners_left_for_right_are_doubted() {
+    let folder = Folder::new();
+    let rig = |[left, right]: [&str; 2]| {
+        format!(
+            "name = \"lab\"\n[table]\nlower_left = [{left}, -0.5, 0.0]\n\
+             lower_right = [{right}, -0.5, 0.0]\nupper_left = [{left}, 0.5, 0.0]\n\
+             pixels = [60, 40]\n[head]\n\
+             rest = {{ position = [0.0, -0.75, 0.60], axes = [\"+y\", \"+x\", \"-z\"] }}\n\
+             eyes = {{ middle = [0.0, 0.0, 0.0], rightwards = [0.0, 1.0, 0.0] }}\n"
+        )
+    };
+    for (corners, status, words) in [
+        (["-0.9", "0.9"], "ok", "0.60 m before it"),
+        (["0.9", "-0.9"], "missing", "0.60 m behind it"),
+    ] {
+        folder.write("lab.toml", rig(corners));
+        let said = folder.run("doctor --rig lab.toml").done().out;
+        assert!(said.contains(&format!("The rig: {status}\n")), "{said}");
+        assert!(said.contains(words), "{said}");
+        let doubt = "→ The eyes of the head at rest are 0.60 m behind the glass";
+        assert_eq!(said.contains(doubt), status != "ok", "{said}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_rigs_devices_are_listened_to() {
