@@ -216,7 +216,7 @@ impl Lanes for Neon {
 
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
+        run(work)
     }
 
     #[inline(always)]
@@ -659,4 +659,10 @@ impl Lanes for Neon {
         let mean = Portable.mean_texels(texels, stride, [first, second]);
         self.load_i(&mean)
     }
+}
+
+/// Where all kernels are one function, a compiler works on it for more than twelve minutes instead of four.
+#[inline(never)]
+fn run<R>(work: impl FnOnce() -> R) -> R {
+    work()
 }
