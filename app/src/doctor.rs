@@ -49,8 +49,9 @@ pub(crate) fn examine(rig: Option<Rig>) -> Report {
         Check::new("programs", "Programs", program::examine),
     ];
     if let Some(rig) = rig {
-        let found = rig::examine(&rig);
-        checks.push(Check::new("rig", "The rig", || Ok(found)));
+        let examined = rig.clone();
+        let examine = move || Ok(rig::examine(&examined));
+        checks.push(Check::new("rig", "The rig", examine));
         let examine = move || device::examine(&rig);
         checks.push(Check::new("devices", "Devices of the rig", examine));
     }

@@ -166,10 +166,11 @@ impl fmt::Display for Finding {
 pub fn register(touches: &[Touch]) -> Result<Registration, CalibrationError> {
     admit(touches)?;
     let no_convergence = CalibrationError::NoConvergence { of: Items::Touches };
-    let fit = Moments::of(touches).fit().ok_or(no_convergence.clone())?;
+    let moments = Moments::of(touches);
+    let fit = moments.fit().ok_or(no_convergence.clone())?;
     let mut findings = Vec::new();
     let mut believed = touches.to_vec();
-    if let Some((finding, [first, second])) = fit.exchanged(touches) {
+    if let Some((finding, [first, second])) = fit.exchanged(touches, &moments) {
         findings.push(finding);
         believed[first].measured = touches[second].measured;
         believed[second].measured = touches[first].measured;
@@ -434,7 +435,7 @@ impl Fit {
     }
 
     /// Two touches that fit far better in each other's place, and what to say of them.
-    fn exchanged(&self, touches: &[Touch]) -> Option<(Finding, [usize; 2])> {
+    fn exchanged(&self, touches: &[Touch], all: &Moments) -> Option<(Finding, [usize; 2])> {
         let (touched, _) = self.both_rms();
         if touched <= TOUCH {
             return None;
@@ -446,7 +447,6 @@ impl Fit {
         let mut worst: Vec<_> = (0..touches.len()).collect();
         worst.sort_by(|a, b| off(b).total_cmp(&off(a)));
         worst.truncate(MOST_EXCHANGED);
-        let all = Moments::of(touches);
         let pairs = (1..worst.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
         let mut tried: Vec<_> = pairs
             .filter_map(|(j, k)| {

@@ -79,18 +79,32 @@ fn marks(marks: &[(&str, DVec3)]) -> String {
 fn touch_all(folder: &Folder, arguments: &str, error: impl Fn(&str) -> DVec3) -> Talk {
     let mut bird = Bird::start(folder, "");
     let mut talk = Talk::start(folder, arguments);
-    for (index, (name, place)) in MARKS.into_iter().enumerate() {
-        talk.hear(&format!("touch \"{name}\""));
-        let turn = index as f64;
-        bird.touch(
-            place + error(name),
-            TIP,
-            [20.0 * turn, 10.0 - 5.0 * turn, 15.0],
-        );
-        talk.measure();
-    }
+    touch_each(&mut bird, &mut talk, &MARKS, error);
     talk.hear("q ends without");
     talk
+}
+
+/// Touches marks, each `off` its place by what `error` says.
+fn touch_each(
+    bird: &mut Bird,
+    talk: &mut Talk,
+    marks: &[(&str, DVec3)],
+    error: impl Fn(&str) -> DVec3,
+) {
+    for (index, (name, place)) in marks.iter().enumerate() {
+        talk.hear(&format!("touch \"{name}\""));
+        let turn = index as f64;
+        let angles = [20.0 * turn, 10.0 - 5.0 * turn, 15.0];
+        bird.touch(*place + error(name), TIP, angles);
+        talk.measure();
+    }
+}
+
+/// A bird, and the talk of a dry run that finds where its tracker stands by the folder's marks.
+fn dry_run(folder: &Folder) -> (Bird, Talk) {
+    folder.write("rig.toml", with_tip());
+    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
+    (Bird::start(folder, ""), Talk::start(folder, arguments))
 }
 
 fn calibrated(folder: &Folder, name: &str) -> Rig {
@@ -152,14 +166,10 @@ fn a_tracker_is_found_to_a_millimetre_and_every_comment_kept() {
     );
 }
 
-/// Touches every mark, and misses "back right" by 40 mm.
-fn touch_with_a_slip(bird: &mut Bird, talk: &mut Talk, marks: &[(&str, DVec3)]) {
-    for (name, place) in marks {
-        talk.hear(&format!("touch \"{name}\""));
-        let slip = if *name == "back right" { 0.04 } else { 0.0 };
-        bird.touch(*place + slip * DVec3::X, TIP, [10.0, 20.0, 0.0]);
-        talk.measure();
-    }
+/// How far from "back right" it is touched, and no other mark.
+fn slip(name: &str) -> DVec3 {
+    let far = if name == "back right" { 0.04 } else { 0.0 };
+    far * DVec3::X
 }
 
 /// The RMS of each table that was shown, in millimetres.
@@ -176,11 +186,8 @@ fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
     let folder = folder();
     let more = [MARKS.as_slice(), &[("lamp", DVec3::new(-0.3, 0.2, 0.25))]].concat();
     folder.write("marks.toml", marks(&more));
-    folder.write("rig.toml", with_tip());
-    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
-    let mut bird = Bird::start(&folder, "");
-    let mut talk = Talk::start(&folder, arguments);
-    touch_with_a_slip(&mut bird, &mut talk, &more);
+    let (mut bird, mut talk) = dry_run(&folder);
+    touch_each(&mut bird, &mut talk, &more, slip);
     talk.hear("Enter shows the lines");
     talk.say("9");
     talk.hear("no point");
@@ -209,11 +216,8 @@ fn an_outlier_is_named_and_left_out_and_a_dry_run_changes_nothing() {
 #[test]
 fn a_mark_that_was_missed_may_be_touched_again() {
     let folder = folder();
-    folder.write("rig.toml", with_tip());
-    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
-    let mut bird = Bird::start(&folder, "");
-    let mut talk = Talk::start(&folder, arguments);
-    touch_with_a_slip(&mut bird, &mut talk, &MARKS);
+    let (mut bird, mut talk) = dry_run(&folder);
+    touch_each(&mut bird, &mut talk, &MARKS, slip);
     talk.hear("has it touched again");
     talk.say("t9");
     talk.hear("no point");
@@ -232,15 +236,13 @@ fn a_mark_that_was_missed_may_be_touched_again() {
 #[test]
 fn marks_that_were_touched_in_each_others_place_are_named_and_touched_again() {
     let folder = folder();
-    folder.write("rig.toml", with_tip());
-    let arguments = "tracker --rig rig.toml --marks marks.toml --dry-run";
-    let mut bird = Bird::start(&folder, "");
-    let mut talk = Talk::start(&folder, arguments);
-    for (name, at) in MARKS.map(|(name, _)| name).iter().zip([1, 0, 2, 3, 4]) {
-        talk.hear(&format!("touch \"{name}\""));
-        bird.touch(MARKS[at].1, TIP, [10.0, 20.0, 0.0]);
-        talk.measure();
-    }
+    let (mut bird, mut talk) = dry_run(&folder);
+    let across = MARKS[1].1 - MARKS[0].1;
+    touch_each(&mut bird, &mut talk, &MARKS, |name| match name {
+        "front left" => across,
+        "front right" => -across,
+        _ => DVec3::ZERO,
+    });
     talk.hear("Enter shows the lines");
     for (name, place) in &MARKS[..2] {
         let number = if *name == "front left" { "t1" } else { "t2" };

@@ -216,7 +216,8 @@ impl Lanes for Neon {
 
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-        run(work)
+        // Apart, as plain Rust's are: in one function they take a compiler more than twelve minutes, not four.
+        Portable.vectorize(work)
     }
 
     #[inline(always)]
@@ -659,10 +660,4 @@ impl Lanes for Neon {
         let mean = Portable.mean_texels(texels, stride, [first, second]);
         self.load_i(&mean)
     }
-}
-
-/// Where all kernels are one function, a compiler works on it for more than twelve minutes instead of four.
-#[inline(never)]
-fn run<R>(work: impl FnOnce() -> R) -> R {
-    work()
 }

@@ -13,12 +13,12 @@ mod strips;
 mod survey;
 
 pub(super) use directions::Directions;
-use directions::STEEP;
 pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
 
 use self::carry::{Carrying, Share};
+use self::directions::STEEP;
 use self::look_back::Before;
 use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;

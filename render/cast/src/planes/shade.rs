@@ -224,7 +224,6 @@ impl<'a> Shader<'a> {
             || self.locate(l, chunk, shading, depths),
         );
         if let Some(photo) = &self.photo {
-            let is_whole = self.tints.is_none();
             l.vectorize(
                 #[inline(always)]
                 || {
@@ -241,7 +240,7 @@ impl<'a> Shader<'a> {
                             l.load(group(&shading.north, at)),
                         );
                         l.store_i(texels, group_mut(colours, at));
-                        if !is_whole {
+                        if !photo.covers {
                             let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
                             shading.rest[number] |= shading.on[number] & !l.bits(whole);
                         }
