@@ -352,10 +352,21 @@ fn a_simulator_is_steered_by_lines_and_refuses_others() {
 }
 
 #[test]
-fn a_flight_says_how_old_its_rigs_calibration_is() {
+fn a_flight_says_how_old_its_rigs_calibration_is_and_what_of_the_rig_it_doubts() {
     let folder = folder();
     let flight = "fly builtin:ridges?size=65 --rig rig.toml --headless --seconds 0.05 -o a.avi";
     let said = folder.run(flight).done().err;
     let line = "calibrated: flock on no known day, eyes on no known day";
     assert_eq!(said.matches(line).count(), 1, "{said}");
+    let doubt = "behind the glass";
+    assert!(!said.contains(doubt), "{said}");
+    // And doubts one whose corners are given left for right.
+    let exchanged = RIG
+        .replace("lower_left = [-0.90", "lower_left = [+0.90")
+        .replace("lower_right = [0.90", "lower_right = [-0.90")
+        .replace("upper_left = [-0.90", "upper_left = [+0.90");
+    folder.write("rig.toml", exchanged);
+    let flight = flight.replace("a.avi", "b.avi");
+    let said = folder.run(&flight).done().err;
+    assert_eq!(said.matches(doubt).count(), 1, "{said}");
 }
