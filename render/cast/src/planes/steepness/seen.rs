@@ -23,10 +23,19 @@ pub(in crate::planes) const AROUND: f64 = 24.0;
 pub(in crate::planes) struct SteepnessSeen {
     /// Squares from left to right.
     across: usize,
-    /// Along the ground's axes x and y, and in whatever direction, metres a cell: what three neighbouring
-    /// squares have at most, of which the first is meant, in a column and in a row of squares. Row by row from
-    /// the top.
-    squares: [[Vec<f32>; 2]; 3],
+    /// What three neighbouring squares have at most, of which the first is meant, in a column and in a row of
+    /// squares. Row by row from the top.
+    squares: [Vec<Steepest>; 2],
+}
+
+/// Along the ground's axes x and y, and in whatever direction, metres a cell. (Four, as a processor takes as many
+/// at once; the last one is not used.)
+type Steepest = [f32; 4];
+
+fn raise(squares: &mut Steepest, by: &Steepest) {
+    for (steep, &other) in squares.iter_mut().zip(by) {
+        *steep = if other > *steep { other } else { *steep };
+    }
 }
 
 impl SteepnessSeen {
@@ -43,13 +52,13 @@ impl SteepnessSeen {
             .map(|pixels| pixels.div_ceil(1 << SQUARE) as usize);
         // What is less steep than this is not worth its projection.
         let [x, y] = steepness.steepest();
-        let least = [x, y, steepness.gradient()].map(|steepest| LEAST * steepest);
-        let mut squares = least.map(|least| vec![least; across * along]);
+        let least = [x, y, steepness.gradient(), 0.0].map(|steepest| LEAST * steepest);
+        let mut squares = vec![least; across * along];
         let side = f64::from(steepness.side);
         let image = Projection::new(rays);
         for (number, block) in steepness.blocks.iter().enumerate() {
             let [x, y] = block.steepest;
-            let steepest = [x, y, block.gradient];
+            let steepest = [x, y, block.gradient, 0.0];
             if (0..3).all(|k| steepest[k] <= least[k]) {
                 continue;
             }
@@ -62,26 +71,23 @@ impl SteepnessSeen {
             let size = DVec3::new(side, side, f64::from(high - low + 2.0 * rounding));
             if let Some([[left, right], [top, bottom]]) = image.of_box(first - eye, size) {
                 for row in top..=bottom {
-                    for (squares, steep) in squares.iter_mut().zip(steepest) {
-                        for square in &mut squares[row * across + left..=row * across + right] {
-                            *square = square.max(steep);
-                        }
+                    for square in &mut squares[row * across + left..=row * across + right] {
+                        raise(square, &steepest);
                     }
                 }
             }
         }
+        let with_next_two = |apart: usize| {
+            let mut most = squares.clone();
+            for next in [apart, 2 * apart] {
+                let next = squares.get(next..).unwrap_or_default();
+                most.iter_mut().zip(next).for_each(|(to, by)| raise(to, by));
+            }
+            most
+        };
         Self {
             across,
-            squares: squares.map(|squares| {
-                [across, 1].map(|next| {
-                    (0..squares.len())
-                        .map(|at| {
-                            let three = squares[at..].iter().step_by(next).take(3);
-                            three.fold(0.0, |a: f32, &b| a.max(b))
-                        })
-                        .collect()
-                })
-            }),
+            squares: [across, 1].map(with_next_two),
         }
     }
 
@@ -94,14 +100,15 @@ impl SteepnessSeen {
         image_axis: usize,
         line: u32,
     ) -> impl Iterator<Item = f32> {
-        let squares = &self.squares[axis][image_axis];
+        let squares = &self.squares[image_axis];
         let line = (line >> SQUARE) as usize;
         let (first, next, count) = if image_axis == 1 {
             (line * self.across, 1, self.across)
         } else {
             (line, self.across, squares.len() / self.across)
         };
-        squares[first..].iter().step_by(next).take(count).copied()
+        let line = squares[first..].iter().step_by(next).take(count);
+        line.map(move |steepest| steepest[axis])
     }
 }
 
@@ -134,31 +141,33 @@ impl Projection {
         let first = self.of(first);
         let [x, y, z] = self.by_axis;
         let [x, y, z] = [x * size.x, y * size.y, z * size.z];
-        let corners = [
-            first,
-            first + x,
-            first + y,
-            first + x + y,
-            first + z,
-            first + x + z,
-            first + y + z,
-            first + x + y + z,
-        ];
-        let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let mut is_before = true;
-        for corner in corners {
-            is_before &= corner.z > 0.0;
-            let near = 1.0 / corner.z;
-            for (range, along) in range.iter_mut().zip([corner.x, corner.y]) {
-                let at = along * near;
-                *range = [range[0].min(at), range[1].max(at)];
-            }
+        // The columns, rows and distances of all corners, side by side, as processors take several at once.
+        let [mut columns, mut rows, mut distances] = [[0.0; 8]; 3];
+        for corner in 0..8 {
+            let on = |axis: usize| (corner >> axis & 1) as f64;
+            let place = first + x * on(0) + y * on(1) + z * on(2);
+            (columns[corner], rows[corner], distances[corner]) = place.into();
         }
+        let [mut left, mut top] = [f64::INFINITY; 2];
+        let [mut right, mut bottom] = [f64::NEG_INFINITY; 2];
+        let mut is_before = true;
+        for corner in 0..8 {
+            is_before &= distances[corner] > 0.0;
+            let near = 1.0 / distances[corner];
+            let [column, row] = [columns[corner], rows[corner]].map(|along| along * near);
+            left = if column < left { column } else { left };
+            right = if column > right { column } else { right };
+            top = if row < top { row } else { top };
+            bottom = if row > bottom { row } else { bottom };
+        }
+        let mut range = [[left, right], [top, bottom]];
         let last = self.size.map(|size| size - 1.0);
         if !is_before {
             // It reaches behind the eye, where places have no picture: what lies wholly on the outer side of
             // one of the image's sides is not seen.
-            let all = |is_outside: &dyn Fn(DVec3) -> bool| corners.iter().copied().all(is_outside);
+            let all = |is_outside: &dyn Fn(DVec3) -> bool| {
+                (0..8).all(|k| is_outside(DVec3::new(columns[k], rows[k], distances[k])))
+            };
             let is_off = all(&|c| c.z <= 0.0)
                 || all(&|c| c.x < -AROUND * c.z)
                 || all(&|c| c.y < -AROUND * c.z)
@@ -294,8 +303,8 @@ mod tests {
         let seen = SteepnessSeen::new(&steepness, &rays, view.eye * per_metre, 1e-4);
         let steepest = steepness.steepest();
         for (axis, steepest) in steepest.into_iter().enumerate() {
-            let squares = &seen.squares[axis][1];
-            let gentle = squares.iter().filter(|&&steep| steep < 0.5 * steepest);
+            let squares = &seen.squares[1];
+            let gentle = squares.iter().filter(|steep| steep[axis] < 0.5 * steepest);
             let (gentle, all) = (gentle.count(), squares.len());
             assert!(gentle > all / 4 && gentle < all, "{gentle} of {all}");
         }
