@@ -12,7 +12,8 @@ use super::wave::{CHUNK, Ray, Waves};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// Rays that set out, a number a lane.
-#[repr(align(64))]
+// On a page's border, as `Numbers` are.
+#[repr(align(4096))]
 pub(super) struct Departure {
     inverse: [f32; CHUNK],
     leave: [f32; CHUNK],

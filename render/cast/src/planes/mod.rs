@@ -12,6 +12,7 @@ mod field;
 mod floor;
 mod footprint;
 mod frame;
+mod numbers;
 mod patches;
 mod pixels;
 mod profile;

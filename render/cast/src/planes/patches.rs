@@ -3,6 +3,7 @@
 
 use super::fall::Fall;
 use super::field::Field;
+use super::numbers::Numbers;
 use super::rows::BLOCK;
 use super::wave::Column;
 use crate::lanes::{LANES, Lanes, group, group_mut};
@@ -54,7 +55,7 @@ pub(super) fn packed<L: Lanes>(l: L, [major, minor]: [L::I; 2]) -> L::I {
 #[derive(Default)]
 pub(super) struct Patches {
     /// The bits of a [`Patch`]'s numbers, one after the other.
-    bits: Vec<i32>,
+    bits: Numbers<i32>,
     /// How far they lie apart: not by whole pages, so that they do not fight for the same lines of the
     /// processor's cache.
     apart: usize,
@@ -86,8 +87,7 @@ impl Patches {
         self.first = (-way).max(0.0).ceil();
         self.lane_bits = room as i32 - 1;
         self.apart = room + way.abs() as usize + BLOCK + 11 * LANES;
-        let size = self.bits.len().max(NUMBERS * self.apart);
-        self.bits.resize(size, NONE);
+        self.bits.grow(NUMBERS * self.apart);
         self.set_step(0);
     }
 

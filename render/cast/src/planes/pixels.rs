@@ -1,5 +1,6 @@
 //! Pixels on their way into the image, which lies in rows whichever way steps run.
 
+use super::numbers::Numbers;
 use super::sectors::Sector;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group};
@@ -12,8 +13,8 @@ const STEPS: usize = LANES;
 #[derive(Default)]
 pub(super) struct PixelBlock {
     width: usize,
-    colours: Vec<i32>,
-    depths: Vec<f32>,
+    colours: Numbers<i32>,
+    depths: Numbers<f32>,
     /// The lanes of the steps kept, and the first of these steps.
     lanes: Vec<[i32; 2]>,
     first_step: u32,
@@ -49,9 +50,8 @@ impl PixelBlock {
         } else {
             !column
         } % STEPS as u32;
-        let size = self.colours.len().max(width * STEPS);
-        self.colours.resize(size, 0);
-        self.depths.resize(size, 0.0);
+        self.colours.grow(width * STEPS);
+        self.depths.grow(width * STEPS);
         self.lanes.clear();
     }
 

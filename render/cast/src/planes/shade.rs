@@ -20,7 +20,8 @@ use super::wave::{CAPACITY, Column, first_lanes};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// What colouring one chunk of a step needs between its loops.
-#[repr(align(64))]
+// On a page's border, as `Numbers` are.
+#[repr(align(4096))]
 pub(super) struct Shading {
     at: Column<i32>,
     east: Column<f32>,

@@ -10,7 +10,8 @@ use super::wave::{CAPACITY, Column, Ray, Wave};
 use crate::lanes::{LANES, Lanes, group, group_mut};
 
 /// What one cell's or block's passage needs between its loops.
-#[repr(align(64))]
+// On a page's border, as `Numbers` are.
+#[repr(align(4096))]
 pub(super) struct Passage {
     pub(super) place: Column<i32>,
     /// How rays come through their cells, until it is known where they meet the ground there: the numbers

@@ -36,7 +36,8 @@ pub(super) struct Ray<L: Lanes> {
 
 /// Rays on their way. Beside what a [`Ray`] is, each has its t and the mirrored cell that it is in
 /// there; and a level of blocks, where it skips blocks.
-#[repr(align(64))]
+// On a page's border, as `Numbers` are.
+#[repr(align(4096))]
 pub(super) struct Wave {
     len: usize,
     advance: Column<f32>,

@@ -21,7 +21,8 @@ const PASSED: i32 = 1 << 30;
 const MOST: usize = CHUNK + LANES;
 
 /// Rays that end in other cells than their predecessors, closed up: a number a ray.
-#[repr(align(64))]
+// On a page's border, as `Numbers` are.
+#[repr(align(4096))]
 pub(in crate::planes) struct Left {
     /// Of each group of a chunk, which rays are left, and which have passed their predecessors' cells,
     /// or end in them.

@@ -8,6 +8,7 @@ use crate::canvas::Canvas;
 use crate::lanes::LANES;
 use crate::planes::depart::Departure;
 use crate::planes::frame::Frame;
+use crate::planes::numbers::Numbers;
 use crate::planes::patches::Patches;
 use crate::planes::pixels::PixelBlock;
 use crate::planes::sectors::Sector;
@@ -25,18 +26,18 @@ pub(super) const MEMORY: usize = 8;
 pub(in crate::planes) struct Scratch {
     /// For the last steps, how far each lane's ray came: to its hit, or (negative) to where it left
     /// the ground or, while it is on its way, to where it is clear.
-    pub(super) reached: Vec<f32>,
+    pub(super) reached: Numbers<f32>,
     pub(super) lanes: [[i32; 2]; MEMORY],
     /// Where rays keep their strips: up to where no ground inside them is over the rays, as far as these have
     /// come.
-    pub(super) clear: Vec<f32>,
+    pub(super) clear: Numbers<f32>,
     pub(super) strips: StripsKept,
     /// How steep the ground is at most around a step's lanes: a number for each 2 ^ [`SQUARE`] of them, which
     /// holds for those of the next two squares, too.
     pub(super) steepest: Vec<Steep>,
     /// The rays of these steps, for their colours.
-    pub(super) advance: Vec<f32>,
-    pub(super) slope: Vec<f32>,
+    pub(super) advance: Numbers<f32>,
+    pub(super) slope: Numbers<f32>,
     /// And the ground that they met, where it is of use.
     pub(super) patches: Patches,
     pub(super) keeps_patches: bool,
@@ -136,7 +137,7 @@ impl Scratch {
             &mut self.advance,
             &mut self.slope,
         ] {
-            numbers.resize(numbers.len().max(room * MEMORY + BLOCK), 0.0);
+            numbers.grow(room * MEMORY + BLOCK);
         }
         for sky in &mut self.sky {
             if sky.room() < room {
