@@ -122,6 +122,11 @@ const COARSENED_WIDTH: u32 = 512;
 /// nine other steps.
 const WORK: f64 = 128_000.0;
 
+/// Into how many sectors small images are cut, about, so that two threads end together, and about how many pixels
+/// these have at least.
+const PIECES: f64 = 6.0;
+const LEAST_WORK: f64 = 16_000.0;
+
 /// The same where ground is coarsened: most such images are one of a pair.
 const COARSENED_WORK: f64 = 256_000.0;
 
@@ -214,9 +219,14 @@ impl UnitCaster for PlanesScene {
             Some(detail) => detail.levels(own_level),
             None => vec![own_level],
         };
+        let pixels = view.size[0] as usize * view.size[1] as usize;
         let bounds = Bounds {
             width: if coarsens { COARSENED_WIDTH } else { WIDTH },
-            work: if coarsens { COARSENED_WORK } else { WORK },
+            work: if coarsens {
+                COARSENED_WORK
+            } else {
+                (pixels as f64 / PIECES).clamp(LEAST_WORK, WORK)
+            },
             // A pixel's mean is taken along its plane, which must not run along lanes.
             most_slant: if coarsens { 1.0 } else { MOST_SLANT },
             eye: [eye.x, eye.y],
@@ -224,7 +234,6 @@ impl UnitCaster for PlanesScene {
             rise: f64::from(high) - view.eye.z,
         };
         let rounding = 1e-6 * low.abs().max(high.abs()).max(view.eye.z.abs() as f32);
-        let pixels = view.size[0] as usize * view.size[1] as usize;
         let is_worth_while =
             !coarsens && pixels >= PIXELS_A_BLOCK * self.steepness.blocks() && rays.are_slanted();
         let steepness =

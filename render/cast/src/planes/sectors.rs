@@ -33,8 +33,8 @@ pub(super) struct Sector {
     sides: Vec<Side>,
     /// The image's extent across the steps.
     width: i32,
-    /// About how long it takes, as [`Bounds::work`] has it.
-    work: f64,
+    /// About how long it takes: as that many pixels of ground near by.
+    time: f64,
 }
 
 impl Sector {
@@ -122,8 +122,13 @@ impl Sector {
     }
 }
 
-/// How much work a pixel of sky is, where one of ground is 1.
+/// For how much of a pixel of ground one of sky counts where parts are cut.
 const SKY: f64 = 0.2;
+
+/// How long a pixel of sky takes, where one of ground near by takes 1; and one of ground in a part that reaches the
+/// horizon.
+const SKY_TIME: f64 = 0.4;
+const FAR_TIME: f64 = 2.0;
 
 /// What sectors there may be.
 pub(super) struct Bounds {
@@ -218,8 +223,8 @@ impl ImageRays {
             })
     }
 
-    /// The image's sectors. The largest come first: threads that take them in turn are done at about the
-    /// same time.
+    /// The image's sectors. Those that take longest come first: threads that take them in turn are done at about
+    /// the same time.
     pub(super) fn sectors(&self, bounds: &Bounds) -> Vec<Sector> {
         let [w, h] = self.size.map(f64::from);
         let whole = Part {
@@ -244,12 +249,12 @@ impl ImageRays {
         for (part, (step_axis, direction), signs, major) in parts {
             for part in self.strips(part, step_axis, point, bounds.width) {
                 let above = self.above(major, signs[0], bounds);
-                let work = |part: &Part| {
-                    let sky = area(&clipped(&part.corners, |corner| above.at(corner)));
-                    part.size() - (1.0 - SKY) * sky
-                };
+                let sky = |corners: &[[f64; 2]]| area(&clipped(corners, |at| above.at(at)));
+                let work = |corners: &[[f64; 2]]| area(corners) - (1.0 - SKY) * sky(corners);
                 let pieces = part.pieces(step_axis, self.size[step_axis], bounds.work, work);
                 for (piece, [low, high]) in pieces {
+                    let sky = sky(&piece.corners);
+                    let far = if sky > 0.0 { FAR_TIME } else { 1.0 };
                     sectors.push(Sector {
                         step_axis,
                         first_step: if direction > 0 { low } else { high },
@@ -258,7 +263,7 @@ impl ImageRays {
                         major,
                         signs,
                         sides: piece.ordered_sides(),
-                        work: work(&piece),
+                        time: far * (piece.size() - sky) + SKY_TIME * sky,
                         width: self.size[1 - step_axis] as i32,
                     });
                 }
@@ -266,7 +271,7 @@ impl ImageRays {
         }
         // What is left between lines that almost meet has no pixels.
         sectors.retain(Sector::has_pixels);
-        sectors.sort_by(|a, b| b.work.total_cmp(&a.work));
+        sectors.sort_by(|a, b| b.time.total_cmp(&a.time));
         sectors
     }
 
@@ -464,29 +469,39 @@ mod tests {
     }
 
     #[test]
-    fn large_sectors_come_first_and_none_is_too_large() {
+    fn those_that_take_long_come_first_and_none_is_too_large() {
         for mut view in views() {
             view.size = view.size.map(|side| 10 * side);
             let image = ImageRays::new(&view, DVec3::ONE);
             let sectors = image.sectors(&bounds(150, 1e4, 1.0));
-            let work = |sector: &Sector| -> f64 {
+            let pixels = |sector: &Sector| {
                 let lanes = (0..sector.steps).map(|k| (k, sector.lanes(k)));
                 let pixels =
                     lanes.flat_map(|(k, [from, to])| (from..to).map(move |lane| (k, lane)));
-                let works = pixels.map(|(k, lane)| {
+                let mut counts = [0.0; 2];
+                for (k, lane) in pixels {
                     let [i, j] = sector.pixel(k, lane);
-                    let rises = view.ray(i, j).direction.z > 0.0;
-                    if rises { SKY } else { 1.0 }
-                });
-                works.sum()
+                    counts[usize::from(view.ray(i, j).direction.z > 0.0)] += 1.0;
+                }
+                counts
             };
-            let works: Vec<_> = sectors.iter().map(work).collect();
-            assert!(!works.contains(&0.0), "{works:?}");
+            assert!(sectors.is_sorted_by(|a, b| a.time >= b.time));
             // Corners lie up to a pixel outside.
-            let around = f64::from(view.size[0] + view.size[1]);
-            let in_order = |pair: &[f64]| pair[0] + 2.0 * around >= pair[1];
-            assert!(works.windows(2).all(in_order), "{works:?}");
-            assert!(works[0] < 15_000.0 + 2.0 * around, "{works:?}");
+            let around = 2.0 * f64::from(view.size[0] + view.size[1]);
+            for sector in &sectors {
+                let [ground, sky] = pixels(sector);
+                assert!(ground + sky > 0.0);
+                assert!(ground + SKY * sky < 15_000.0 + around, "{ground} {sky}");
+                let about = [1.0, FAR_TIME].map(|far| far * ground + SKY_TIME * sky);
+                let is_near = about.map(|about| (sector.time - about).abs() < FAR_TIME * around);
+                // A part may touch the horizon where it has no pixel of sky.
+                let is_told = if sky > 0.0 {
+                    is_near[1]
+                } else {
+                    is_near[0] || is_near[1]
+                };
+                assert!(is_told, "{} for {ground} and {sky}", sector.time);
+            }
         }
     }
 

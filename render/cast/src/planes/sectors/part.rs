@@ -70,15 +70,6 @@ impl Part {
         (!part.corners.is_empty()).then_some(part)
     }
 
-    /// What lies between two places along an axis of the image.
-    fn between(&self, axis: usize, [low, high]: [f64; 2]) -> Self {
-        let above = clipped(&self.corners, |corner| corner[axis] - low);
-        Self {
-            corners: clipped(&above, |corner| high - corner[axis]),
-            ..self.clone()
-        }
-    }
-
     /// The part cut across the planes into pieces of about the same `work`, each with its first and last
     /// one of the image's `steps` columns or rows: as many as make pieces of about `most`.
     pub(super) fn pieces(
@@ -86,29 +77,39 @@ impl Part {
         step_axis: usize,
         steps: u32,
         most: f64,
-        work: impl Fn(&Self) -> f64,
+        work: impl Fn(&[[f64; 2]]) -> f64,
     ) -> Vec<(Self, [i32; 2])> {
         let [low, high] = self.range(step_axis);
+        let work_before = |step: i32| {
+            let before = |corner: [f64; 2]| f64::from(step) - corner[step_axis];
+            work(&clipped(&self.corners, before))
+        };
         // One more on both sides, as corners do not lie on pixels.
         let last = (high.ceil() as i32 + 1).min(steps as i32 - 1);
         let mut from = (low.floor() as i32 - 1).max(0);
-        let all = work(self);
+        let all = work(&self.corners);
         let count = (all / most).round().max(1.0);
         let mut pieces = Vec::new();
+        let mut done = 0.0;
         for k in 1..count as u32 {
             let share = all * f64::from(k) / count;
-            let [mut before, mut cut] = [from, last];
-            while cut - before > 1 {
-                let middle = before.midpoint(cut);
-                let piece = self.between(step_axis, [low, f64::from(middle)]);
-                if work(&piece) < share {
-                    before = middle;
+            let [mut before, mut cut] = [(from, done), (last, all)];
+            while cut.0 - before.0 > 1 {
+                // Where it would be if work were even, but well between both.
+                let way = f64::from(cut.0 - before.0);
+                let part = (share - before.1) / (cut.1 - before.1);
+                let further = (part.clamp(0.1, 0.9) * way).round().clamp(1.0, way - 1.0);
+                let middle = before.0 + further as i32;
+                let work = work_before(middle);
+                if work < share {
+                    before = (middle, work);
                 } else {
-                    cut = middle;
+                    cut = (middle, work);
                 }
             }
+            let (cut, work) = cut;
             pieces.push((self.around(step_axis, [from, cut]), [from, cut - 1]));
-            from = cut;
+            (from, done) = (cut, work);
         }
         pieces.push((self.around(step_axis, [from, last]), [from, last]));
         pieces
@@ -116,7 +117,12 @@ impl Part {
 
     /// What lies between two of the image's columns or rows, and one more on both sides.
     fn around(&self, axis: usize, [from, to]: [i32; 2]) -> Self {
-        self.between(axis, [f64::from(from) - 1.0, f64::from(to) + 1.0])
+        let [low, high] = [f64::from(from) - 1.0, f64::from(to) + 1.0];
+        let above = clipped(&self.corners, |corner| corner[axis] - low);
+        Self {
+            corners: clipped(&above, |corner| high - corner[axis]),
+            ..self.clone()
+        }
     }
 
     /// The sides that cut off pixels, those first that do so in most steps.
