@@ -288,6 +288,26 @@ mod tests {
     use sandtable_view::{Attitude, Camera};
 
     #[test]
+    fn small_images_have_parts_for_several_threads() {
+        let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
+        let scene = Scene::new(Ground::from_fn(300, 290, DVec2::ONE, rough).expect("a sound grid"));
+        let planes = PlanesScene::new(Isa::best(), None, scene);
+        let count = |size: [u32; 2]| {
+            let view = Camera {
+                eye: DVec3::new(140.0, 20.0, 60.0),
+                attitude: Attitude {
+                    pitch: -0.6,
+                    ..Attitude::default()
+                },
+                horizontal_fov: 1.0,
+            }
+            .view(size);
+            planes.frame(&view).expect("a sound view").sectors.len()
+        };
+        assert_eq!([[60, 50], [500, 400], [1920, 1080]].map(count), [2, 6, 16]);
+    }
+
+    #[test]
     fn another_grid_is_prepared_anew() {
         let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
         let ground = |cols: u32, rows: u32| {

@@ -32,8 +32,9 @@ pub(in crate::planes) struct SteepnessSeen {
 /// at once; the last one is not used.)
 type Steepest = [f32; 4];
 
-fn raise(squares: &mut Steepest, by: &Steepest) {
-    for (steep, &other) in squares.iter_mut().zip(by) {
+/// Makes a square at least as steep as another.
+fn raise(square: &mut Steepest, other: &Steepest) {
+    for (steep, &other) in square.iter_mut().zip(other) {
         *steep = if other > *steep { other } else { *steep };
     }
 }
@@ -141,33 +142,31 @@ impl Projection {
         let first = self.of(first);
         let [x, y, z] = self.by_axis;
         let [x, y, z] = [x * size.x, y * size.y, z * size.z];
-        // The columns, rows and distances of all corners, side by side, as processors take several at once.
-        let [mut columns, mut rows, mut distances] = [[0.0; 8]; 3];
-        for corner in 0..8 {
-            let on = |axis: usize| (corner >> axis & 1) as f64;
-            let place = first + x * on(0) + y * on(1) + z * on(2);
-            (columns[corner], rows[corner], distances[corner]) = place.into();
-        }
-        let [mut left, mut top] = [f64::INFINITY; 2];
-        let [mut right, mut bottom] = [f64::NEG_INFINITY; 2];
+        let corners = [
+            first,
+            first + x,
+            first + y,
+            first + x + y,
+            first + z,
+            first + x + z,
+            first + y + z,
+            first + x + y + z,
+        ];
+        let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let mut is_before = true;
-        for corner in 0..8 {
-            is_before &= distances[corner] > 0.0;
-            let near = 1.0 / distances[corner];
-            let [column, row] = [columns[corner], rows[corner]].map(|along| along * near);
-            left = if column < left { column } else { left };
-            right = if column > right { column } else { right };
-            top = if row < top { row } else { top };
-            bottom = if row > bottom { row } else { bottom };
+        for corner in corners {
+            is_before &= corner.z > 0.0;
+            let near = 1.0 / corner.z;
+            for (range, along) in range.iter_mut().zip([corner.x, corner.y]) {
+                let at = along * near;
+                *range = [range[0].min(at), range[1].max(at)];
+            }
         }
-        let mut range = [[left, right], [top, bottom]];
         let last = self.size.map(|size| size - 1.0);
         if !is_before {
             // It reaches behind the eye, where places have no picture: what lies wholly on the outer side of
             // one of the image's sides is not seen.
-            let all = |is_outside: &dyn Fn(DVec3) -> bool| {
-                (0..8).all(|k| is_outside(DVec3::new(columns[k], rows[k], distances[k])))
-            };
+            let all = |is_outside: &dyn Fn(DVec3) -> bool| corners.iter().copied().all(is_outside);
             let is_off = all(&|c| c.z <= 0.0)
                 || all(&|c| c.x < -AROUND * c.z)
                 || all(&|c| c.y < -AROUND * c.z)
