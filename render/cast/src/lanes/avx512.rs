@@ -378,6 +378,11 @@ impl Lanes for Avx512 {
         on_values!(_mm512_storeu_si512(to.as_mut_ptr().cast(), value));
     }
     #[inline(always)]
+    unsafe fn store_those(self, mask: u16, value: __m512i, to: *mut i32) {
+        // SAFETY: lanes that are not of `mask` are not written, and by the caller's promise the others can be.
+        unsafe { _mm512_mask_storeu_epi32(to, mask, value) }
+    }
+    #[inline(always)]
     fn ends(self, value: __m512i) -> [i32; 2] {
         on_values!({
             let last = _mm512_extracti32x4_epi32::<3>(value);

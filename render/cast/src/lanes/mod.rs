@@ -104,6 +104,22 @@ pub(crate) trait Lanes: Copy {
     fn splat_i(self, value: i32) -> Self::I;
     fn load_i(self, from: &[i32; LANES]) -> Self::I;
     fn store_i(self, value: Self::I, to: &mut [i32; LANES]);
+    /// As `store_i`, only the lanes of `mask`: other lanes' places are not touched.
+    ///
+    /// # Safety
+    /// Those of `mask` from `to` on can be written.
+    #[allow(unsafe_code, reason = "places of which only some are one's own")]
+    #[inline(always)]
+    unsafe fn store_those(self, mask: u16, value: Self::I, to: *mut i32) {
+        let mut numbers = [0; LANES];
+        self.store_i(value, &mut numbers);
+        for (k, number) in numbers.into_iter().enumerate() {
+            if mask >> k & 1 != 0 {
+                // SAFETY: by the caller's promise.
+                unsafe { to.add(k).write(number) };
+            }
+        }
+    }
     /// The first lane and the last one.
     fn ends(self, value: Self::I) -> [i32; 2];
     fn add_i(self, a: Self::I, b: Self::I) -> Self::I;

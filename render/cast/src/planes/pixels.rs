@@ -2,6 +2,7 @@
 
 use super::numbers::Numbers;
 use super::sectors::Sector;
+use super::wave::same_lanes;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group};
 
@@ -135,104 +136,71 @@ impl PixelBlock {
             if self.lanes.len() == STEPS {
                 // What was asked for steps ago lies in the second cache by now: there was more than
                 // the first one holds.
-                let left = self.left(sector, 0, STEPS);
+                let left = self.first_column(sector) as u32;
                 for row in lane + LANES as i32..to.min(lane + 2 * LANES as i32) {
                     canvas.prefetch(l, canvas.place([left, row as u32]));
                 }
             }
-            let [colours, depths] = self.rows(l, sector, lane);
-            if self.lanes.len() == STEPS && self.lanes.iter().all(whole) {
-                let corner = [self.left(sector, 0, STEPS), lane as u32];
-                // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-                #[allow(unsafe_code, reason = "as `Canvas::set_square` says")]
-                unsafe {
-                    canvas.set_square(l, corner, colours, depths);
-                }
-            } else {
-                let mut rows = [[[0; STEPS]; 2]; LANES];
-                for (k, [colour, depth]) in rows.iter_mut().enumerate() {
-                    l.store_i(colours[k], colour);
-                    l.store_i(depths[k], depth);
-                }
-                self.write_part(l, canvas, sector, lane, &rows);
-            }
-        }
-    }
-
-    /// Colours and depths of all steps' pixels in as many lanes from `lane` on: a row of the image
-    /// for each lane, whether its pixels are there or not.
-    #[inline(always)]
-    fn rows<L: Lanes>(&self, l: L, sector: &Sector, lane: i32) -> [[L::I; LANES]; 2] {
-        let (mut colours, mut depths) = ([l.splat_i(0); STEPS], [l.splat_i(0); STEPS]);
-        for k in 0..STEPS {
-            let slot = if sector.direction > 0 {
-                k
-            } else {
-                STEPS - 1 - k
-            };
-            let at = slot * self.width + lane as usize;
-            colours[k] = l.load_i(group(&self.colours, at));
-            depths[k] = l.load_i(group(bytemuck::cast_slice(&self.depths), at));
-        }
-        [l.transpose(colours), l.transpose(depths)]
-    }
-
-    /// Writes those of a square's pixels that are there.
-    #[inline(always)]
-    fn write_part<L: Lanes>(
-        &self,
-        l: L,
-        canvas: &Canvas<'_>,
-        sector: &Sector,
-        lane: i32,
-        rows: &[[[i32; STEPS]; 2]; LANES],
-    ) {
-        let numbers = l.load_i(&std::array::from_fn(|k| lane + k as i32));
-        // The steps that have each lane: one run, as a sector is convex.
-        let (mut begins, mut ends) = (l.splat_i(STEPS as i32), l.splat_i(0));
-        for (k, lanes) in self.lanes.iter().enumerate() {
-            let off = l.or(
-                l.gt_i(l.splat_i(lanes[0]), numbers),
-                l.gt_i(numbers, l.splat_i(lanes[1] - 1)),
-            );
-            let step = l.splat_i(k as i32);
-            begins = l.min_i(begins, l.select_i(off, begins, step));
-            ends = l.select_i(off, ends, l.splat_i(k as i32 + 1));
-        }
-        let (mut first, mut behind) = ([0; LANES], [0; LANES]);
-        l.store_i(begins, &mut first);
-        l.store_i(ends, &mut behind);
-        let before = self.slot(self.first_step);
-        for (k, [colours, depths]) in rows.iter().enumerate() {
-            let (first, behind) = (first[k] as usize, behind[k] as usize);
-            if first >= behind {
-                continue;
-            }
-            let pixels = if sector.direction > 0 {
-                before + first..before + behind
-            } else {
-                STEPS - before - behind..STEPS - before - first
-            };
-            let pixel = [self.left(sector, first, behind), lane as u32 + k as u32];
+            let colours = self.rows(l, sector, &self.colours, lane);
+            let depths = self.rows(l, sector, bytemuck::cast_slice(&self.depths), lane);
             // SAFETY: each pixel belongs to one sector, and a sector to one thread.
-            #[allow(unsafe_code, reason = "as `Canvas::set_row` says")]
+            #[allow(unsafe_code, reason = "as `Canvas::set_square` says")]
             unsafe {
-                canvas.set_row(
-                    pixel,
-                    &colours[pixels.clone()],
-                    bytemuck::cast_slice(&depths[pixels]),
-                );
+                if self.lanes.len() == STEPS && self.lanes.iter().all(whole) {
+                    let corner = [self.first_column(sector) as u32, lane as u32];
+                    canvas.set_square(l, corner, colours, depths);
+                } else {
+                    let there = self.there(l, sector, lane);
+                    let corner = [self.first_column(sector), lane];
+                    canvas.set_part_of_square(l, corner, there, colours, depths);
+                }
             }
         }
     }
 
-    /// The image's leftmost column among the kept steps from the `first`-th to before another.
-    fn left(&self, sector: &Sector, first: usize, behind: usize) -> u32 {
-        let leftmost = if sector.direction > 0 {
-            first
+    /// Numbers of all steps' pixels in as many lanes from `lane` on: a row of the image for each lane, whether
+    /// its pixels are there or not.
+    #[inline(always)]
+    fn rows<L: Lanes>(&self, l: L, sector: &Sector, numbers: &[i32], lane: i32) -> [L::I; LANES] {
+        let mut columns = [l.splat_i(0); STEPS];
+        let mut rest = &numbers[lane as usize..];
+        for column in &mut columns {
+            *column = l.load_i(group(rest, 0));
+            rest = &rest[self.width.min(rest.len())..];
+        }
+        if sector.direction < 0 {
+            columns.reverse();
+        }
+        l.transpose(columns)
+    }
+
+    /// Which of a square's pixels are there: for each row the bits of its columns.
+    #[inline(always)]
+    fn there<L: Lanes>(&self, l: L, sector: &Sector, lane: i32) -> [i32; LANES] {
+        let first = self.slot(self.first_step);
+        let mut there = l.splat_i(0);
+        for (k, &lanes) in self.lanes.iter().enumerate() {
+            let column = if sector.direction > 0 {
+                first + k
+            } else {
+                STEPS - 1 - first - k
+            };
+            let rows = l.mask(same_lanes(lanes, lane));
+            there = l.add_i_where(rows, there, l.splat_i(1 << column));
+        }
+        let mut rows = [0; LANES];
+        l.store_i(there, &mut rows);
+        rows
+    }
+
+    /// The column of the image with which the kept steps' squares begin: it may lie before the first one.
+    fn first_column(&self, sector: &Sector) -> i32 {
+        let first = self.slot(self.first_step) as i32;
+        let column = sector.image_step(self.first_step) as i32;
+        if sector.direction > 0 {
+            column - first
         } else {
-            behind - 1
-        };
-        sector.image_step(self.first_step + leftmost as u32)
+            column - (STEPS as i32 - 1 - first)
+        }
     }
 }

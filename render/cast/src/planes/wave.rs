@@ -18,6 +18,13 @@ pub(super) fn first_lanes(count: i32) -> u16 {
     }
 }
 
+/// Those of the sixteen lanes from `first` on that are of `lanes`.
+pub(super) fn same_lanes(lanes: [i32; 2], first: i32) -> u16 {
+    let from = (lanes[0] - first).clamp(0, LANES as i32);
+    let to = (lanes[1] - first).clamp(from, LANES as i32);
+    first_lanes(to) & !first_lanes(from)
+}
+
 /// One number of each ray.
 pub(super) type Column<T> = [T; CAPACITY];
 

@@ -28,6 +28,32 @@ each_isa! {
         }
     }
 
+    fn other_lanes_need_no_places<L>(l) {
+        let mut random = Random::new();
+        for round in 0..GROUPS {
+            let a = random.lanes(Random::int);
+            // A run of lanes, as pixels of a row are, or any; never none.
+            let bits = match round % 3 {
+                0 => random.next() as u16 | 1,
+                1 => (u16::MAX << random.below(16)) & (u16::MAX >> random.below(16)) | 0x80,
+                _ => 1 << random.below(16),
+            };
+            // No more memory than from the first of them to the last.
+            let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
+            let mut found = vec![7; last - first + 1];
+            let to = found.as_mut_ptr().wrapping_sub(first);
+            #[allow(unsafe_code, reason = "what is tested")]
+            // SAFETY: there is room from the first one to the last.
+            unsafe {
+                l.store_those(bits, l.load_i(&a), to);
+            }
+            let expected: Vec<i32> = (first..=last)
+                .map(|k| if truths(bits)[k] { a[k] } else { 7 })
+                .collect();
+            assert_eq!(found, expected, "on {}", type_name::<L>());
+        }
+    }
+
     fn lanes_are_stored_where_a_mask_says<L>(l) {
         let mut random = Random::new();
         for _ in 0..GROUPS {

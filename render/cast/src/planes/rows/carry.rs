@@ -6,11 +6,11 @@ use super::directions::Aim;
 use super::look_back::Before;
 use super::predecessor::Predecessor;
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
-use super::set_out::{further_on, same_lanes};
+use super::set_out::further_on;
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::patches::Path;
-use crate::planes::wave::{CHUNK, Ray, first_lanes};
+use crate::planes::wave::{CHUNK, Ray, first_lanes, same_lanes};
 use crate::tally::Tally;
 use bytemuck::cast_mut;
 

@@ -8,7 +8,7 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
 use crate::planes::depart::{Departing, Departure};
-use crate::planes::wave::{Ray, Waves, first_lanes};
+use crate::planes::wave::{Ray, Waves, first_lanes, same_lanes};
 use crate::tally::Tally;
 
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
@@ -21,13 +21,6 @@ const BEHIND: f32 = 1.00001;
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
 pub(super) const VERY_HIGH: f32 = 1e30;
-
-/// Those of the sixteen lanes from `first` on that are of `lanes`.
-pub(super) fn same_lanes(lanes: [i32; 2], first: i32) -> u16 {
-    let from = (lanes[0] - first).clamp(0, LANES as i32);
-    let to = (lanes[1] - first).clamp(from, LANES as i32);
-    first_lanes(to) & !first_lanes(from)
-}
 
 /// Up to where rays are clear that come over the ground at `enter`, if those before them came as far as `reached`
 /// and they are clear for `further` times that beyond it.

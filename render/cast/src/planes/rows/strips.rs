@@ -8,10 +8,10 @@ use super::March;
 use super::directions::Directions;
 use super::predecessor::Runs;
 use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
-use super::set_out::{Begin, Stay, VERY_HIGH, same_lanes};
+use super::set_out::{Begin, Stay, VERY_HIGH};
 use crate::lanes::{LANES, Lanes, group};
 use crate::planes::strips::{NARROW, StripWidths, WIDE};
-use crate::planes::wave::Ray;
+use crate::planes::wave::{Ray, same_lanes};
 
 /// How many lanes apart the outermost of those rays of an earlier step may lie that are asked for one.
 const MOST: f64 = 3.0;
