@@ -99,8 +99,9 @@ impl Chunk<'_> {
 pub(super) struct Shader<'a> {
     sector: &'a Sector,
     photo: Option<Mapped<'a>>,
-    /// Metres a cell along the major and the minor axis.
-    metres: [f64; 2],
+    /// Metres a cell along the major and the minor axis; and the square of those along the major axis.
+    metres: [f32; 2],
+    major_square: f32,
     field: &'a Field<'a>,
     /// None where a photo covers all ground.
     tints: Option<Tints<'a>>,
@@ -145,7 +146,8 @@ impl<'a> Shader<'a> {
                 .photo()
                 .filter(|_| frame.detail.is_none())
                 .map(|photo| Mapped::new(photo, frame, [x, y])),
-            metres,
+            metres: metres.map(|metres| metres as f32),
+            major_square: (metres[0] * metres[0]) as f32,
             field,
             tints: Tints::new(frame.ground),
             textures,
@@ -195,8 +197,8 @@ impl<'a> Shader<'a> {
                 } else {
                     [aside, t]
                 };
-                let (x, _, _) = photo.x.locate(l, advances[0]);
-                let (y, _, _) = photo.y.locate(l, advances[1]);
+                let (x, _) = photo.x.locate(l, advances[0]);
+                let (y, _) = photo.y.locate(l, advances[1]);
                 l.store_i(photo.tiles.place(l, x, y), &mut places);
                 l.prefetch::<_, 2>(&photo.tiles.items, &places, 0);
             } else if let Some(photo) = &self.textures[0] {
@@ -228,22 +230,28 @@ impl<'a> Shader<'a> {
             l.vectorize(
                 #[inline(always)]
                 || {
-                    for at in (0..chunk.count).step_by(LANES) {
-                        let number = at / LANES;
-                        if shading.on[number] == 0 {
+                    let groups = chunk.count.div_ceil(LANES);
+                    let places = &shading.at.as_chunks::<LANES>().0[..groups];
+                    let east = &shading.east.as_chunks::<LANES>().0[..groups];
+                    let north = &shading.north.as_chunks::<LANES>().0[..groups];
+                    let colours = &mut colours.as_chunks_mut::<LANES>().0[..groups];
+                    let on = &shading.on[..groups];
+                    let rest = &mut shading.rest[..groups];
+                    for number in 0..groups {
+                        if on[number] == 0 {
                             continue;
                         }
                         let texels = l.texels(
                             &photo.tiles.items,
-                            group(&shading.at, at),
+                            &places[number],
                             photo.tiles.stride,
-                            l.load(group(&shading.east, at)),
-                            l.load(group(&shading.north, at)),
+                            l.load(&east[number]),
+                            l.load(&north[number]),
                         );
-                        l.store_i(texels, group_mut(colours, at));
+                        l.store_i(texels, &mut colours[number]);
                         if !photo.covers {
                             let whole = l.eq_i(l.shr_i(texels, l.splat_i(24)), l.splat_i(-1));
-                            shading.rest[number] |= shading.on[number] & !l.bits(whole);
+                            rest[number] |= on[number] & !l.bits(whole);
                         }
                     }
                 },
@@ -286,8 +294,8 @@ impl<'a> Shader<'a> {
     /// axis, and metres up.
     #[inline(always)]
     pub(super) fn metres_of<L: Lanes>(&self, l: L, [major, minor, up]: [L::F; 3]) -> L::F {
-        let major = l.mul(major, l.splat(self.metres[0] as f32));
-        let minor = l.mul(minor, l.splat(self.metres[1] as f32));
+        let major = l.mul(major, l.splat(self.metres[0]));
+        let minor = l.mul(minor, l.splat(self.metres[1]));
         let square = l.add(l.mul(minor, minor), l.mul(major, major));
         l.sqrt(l.add(square, l.mul(up, up)))
     }
@@ -295,10 +303,11 @@ impl<'a> Shader<'a> {
     /// Metres for each 1 of t.
     #[inline(always)]
     fn length<L: Lanes>(&self, l: L, advance: L::F, slope: L::F) -> L::F {
-        let minor_metres = l.splat(self.metres[1] as f32);
-        let major_square = l.splat((self.metres[0] * self.metres[0]) as f32);
-        let minor_length = l.mul(advance, minor_metres);
-        let square = l.add(l.mul(minor_length, minor_length), major_square);
+        let minor_length = l.mul(advance, l.splat(self.metres[1]));
+        let square = l.add(
+            l.mul(minor_length, minor_length),
+            l.splat(self.major_square),
+        );
         l.sqrt(l.add(square, l.mul(slope, slope)))
     }
 
@@ -312,21 +321,34 @@ impl<'a> Shader<'a> {
     ) -> bool {
         let mut sees_sky = 0;
         let infinity = l.splat(f32::INFINITY);
-        for at in (0..chunk.count).step_by(LANES) {
-            let number = at / LANES;
+        // Whole groups, all as many: so no place is compared with ends.
+        let groups = chunk.count.div_ceil(LANES);
+        let [reached, advance, slope] = [chunk.reached, chunk.advance, chunk.slope];
+        let reached = &reached.as_chunks::<LANES>().0[..groups];
+        let advance = &advance.as_chunks::<LANES>().0[..groups];
+        let slope = &slope.as_chunks::<LANES>().0[..groups];
+        let depths = &mut depths.as_chunks_mut::<LANES>().0[..groups];
+        let places = &mut shading.at.as_chunks_mut::<LANES>().0[..groups];
+        let east = &mut shading.east.as_chunks_mut::<LANES>().0[..groups];
+        let north = &mut shading.north.as_chunks_mut::<LANES>().0[..groups];
+        let sky = &mut shading.sky[..groups];
+        let rest = &mut shading.rest[..groups];
+        let on = &mut shading.on[..groups];
+        for number in 0..groups {
+            let at = number * LANES;
             let mask = chunk.mask(at);
-            let reached = l.load(group(chunk.reached, at));
-            let advance = l.load(group(chunk.advance, at));
-            let slope = l.load(group(chunk.slope, at));
+            let reached = l.load(&reached[number]);
+            let advance = l.load(&advance[number]);
+            let slope = l.load(&slope[number]);
             let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
             let length = self.length(l, advance, slope);
             let depth = l.select(hit, l.mul(reached, length), infinity);
-            l.store(depth, group_mut(depths, at));
+            l.store(depth, &mut depths[number]);
             let hits = l.bits(hit);
-            shading.sky[number] = mask & !hits;
+            sky[number] = mask & !hits;
             sees_sky |= mask & !hits;
-            shading.rest[number] = hits;
-            shading.on[number] = 0;
+            rest[number] = hits;
+            on[number] = 0;
             if self.asks_ahead && hits != 0 {
                 self.prefetch(l, chunk, at, hit, reached, advance);
             }
@@ -340,12 +362,11 @@ impl<'a> Shader<'a> {
                     [aside, reached]
                 };
                 let located = photo.locate(l, hit, advances);
-                let on = l.bits(located.on);
-                shading.on[number] = on;
-                shading.rest[number] = hits & !on;
-                l.store_i(located.at, group_mut(&mut shading.at, at));
-                l.store(located.east, group_mut(&mut shading.east, at));
-                l.store(located.north, group_mut(&mut shading.north, at));
+                on[number] = l.bits(located.on);
+                rest[number] = hits & !on[number];
+                l.store_i(located.at, &mut places[number]);
+                l.store(located.east, &mut east[number]);
+                l.store(located.north, &mut north[number]);
             }
         }
         sees_sky != 0

@@ -30,23 +30,26 @@ impl Along {
         }
     }
 
-    /// The pixel before the place to which rays advanced, the weight of the one behind it, and
-    /// whether the photo has both.
+    /// The pixel before the place to which rays advanced, and the weight of the one behind it.
     #[inline(always)]
-    pub(super) fn locate<L: Lanes>(&self, l: L, advance: L::F) -> (L::I, L::F, L::M) {
+    pub(super) fn locate<L: Lanes>(&self, l: L, advance: L::F) -> (L::I, L::F) {
         let along = l.add(l.mul(advance, l.splat(self.pixels)), l.splat(self.fraction));
         let whole = l.to_int(along);
         let share = l.sub(along, l.to_float(whole));
-        let (at, share) = if self.sign > 0 {
+        if self.sign > 0 {
             (l.add_i(l.splat_i(self.base), whole), share)
         } else {
             (
                 l.sub_i(l.splat_i(self.base - 1), whole),
                 l.sub(l.splat(1.0), share),
             )
-        };
-        let off = l.or(l.gt_i(l.splat_i(0), at), l.gt_i(at, l.splat_i(self.last)));
-        (at, share, off)
+        }
+    }
+
+    /// A number that is negative where the photo has not both a pixel and the one behind it.
+    #[inline(always)]
+    fn room<L: Lanes>(&self, l: L, at: L::I) -> L::I {
+        l.min_i(at, l.sub_i(l.splat_i(self.last), at))
     }
 
     /// The same for places beyond the outer pixels' centres, where their colours go on for half a
@@ -92,10 +95,11 @@ impl<'a> Mapped<'a> {
     /// reaches there.
     #[inline(always)]
     pub(super) fn locate<L: Lanes>(&self, l: L, mask: L::M, advances: [L::F; 2]) -> Located<L> {
-        let (mut x, mut east, off_x) = self.x.locate(l, advances[0]);
-        let (mut y, mut north, off_y) = self.y.locate(l, advances[1]);
+        let (mut x, mut east) = self.x.locate(l, advances[0]);
+        let (mut y, mut north) = self.y.locate(l, advances[1]);
         let mut on = mask;
-        if l.bits(l.and(mask, l.or(off_x, off_y))) != 0 {
+        let room = l.min_i(self.x.room(l, x), self.y.room(l, y));
+        if l.bits(l.and(mask, l.gt_i(l.splat_i(0), room))) != 0 {
             let (off_x, off_y);
             (x, east, off_x) = self.x.at_border(l, x, east);
             (y, north, off_y) = self.y.at_border(l, y, north);
