@@ -1,7 +1,7 @@
 //! The sky's colours.
 
 use super::{Shader, Shading};
-use crate::lanes::{LANES, Lanes, group, group_mut};
+use crate::lanes::{LANES, Lanes};
 use crate::planes::rows::Directions;
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 
@@ -54,33 +54,34 @@ impl Shader<'_> {
         shading: &mut Shading,
         colours: &mut [i32],
     ) {
-        let groups = || (0..(behind - first) as usize).step_by(LANES);
+        let groups = ((behind - first) as usize).div_ceil(LANES);
+        let sky = &shading.sky[..groups];
+        let up = &mut shading.up.as_chunks_mut::<LANES>().0[..groups];
+        let colours = &mut colours.as_chunks_mut::<LANES>().0[..groups];
         let numbers = l.load(&std::array::from_fn(|k| k as f32));
         let first = directions.at(step, first).as_vec3();
         let lane = directions.lane.as_vec3();
         let major = l.add(l.splat(first.x), l.mul(l.splat(lane.x), numbers));
         let minor = l.add(l.splat(first.y), l.mul(l.splat(lane.y), numbers));
         let height = l.add(l.splat(first.z), l.mul(l.splat(lane.z), numbers));
-        for at in groups() {
-            if shading.sky[at / LANES] != 0 {
-                let further = lane * at as f32;
+        for number in 0..groups {
+            if sky[number] != 0 {
+                let further = lane * (number * LANES) as f32;
                 let height = l.add(height, l.splat(further.z));
                 let direction = [
                     l.add(major, l.splat(further.x)),
                     l.add(minor, l.splat(further.y)),
                     height,
                 ];
-                let up = l.div(height, self.metres_of(l, direction));
-                l.store(up, group_mut(&mut shading.up, at));
+                l.store(l.div(height, self.metres_of(l, direction)), &mut up[number]);
             }
         }
-        for at in groups() {
-            let sky = shading.sky[at / LANES];
-            if sky != 0 {
-                let up = l.load(group(&shading.up, at));
-                let colours = group_mut(colours, at);
-                let ground = l.load_i(colours);
-                l.store_i(l.select_i(l.mask(sky), sky_colours(l, up), ground), colours);
+        for number in 0..groups {
+            if sky[number] != 0 {
+                let colour = sky_colours(l, l.load(&up[number]));
+                let ground = l.load_i(&colours[number]);
+                let colour = l.select_i(l.mask(sky[number]), colour, ground);
+                l.store_i(colour, &mut colours[number]);
             }
         }
     }
