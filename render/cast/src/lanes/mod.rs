@@ -47,6 +47,19 @@ pub(crate) fn group_mut<T>(numbers: &mut [T], at: usize) -> &mut [T; LANES] {
     numbers[at..].first_chunk_mut().expect("room for a group")
 }
 
+/// The first `count` groups of some numbers: what loops over several of them go through side by side, so that
+/// none compares its place with an end. There must be room for them.
+#[inline(always)]
+pub(crate) fn groups<T>(numbers: &[T], count: usize) -> &[[T; LANES]] {
+    &numbers.as_chunks().0[..count]
+}
+
+/// As [`groups`], to be written.
+#[inline(always)]
+pub(crate) fn groups_mut<T>(numbers: &mut [T], count: usize) -> &mut [[T; LANES]] {
+    &mut numbers.as_chunks_mut().0[..count]
+}
+
 /// Places between texels.
 #[derive(Clone, Copy)]
 pub(crate) struct Texels<'a, L: Lanes> {

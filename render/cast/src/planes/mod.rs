@@ -287,21 +287,29 @@ mod tests {
     use glam::{DVec2, DVec3};
     use sandtable_view::{Attitude, Camera};
 
+    fn rough(cols: u32, rows: u32) -> Arc<Scene> {
+        let height = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
+        Scene::new(Ground::from_fn(cols, rows, DVec2::ONE, height).expect("a sound grid"))
+    }
+
+    /// From 60 m over the ground or beside it, `y` metres north of its southern border.
+    fn view(y: f64, pitch: f64, size: [u32; 2]) -> View {
+        let camera = Camera {
+            eye: DVec3::new(140.0, y, 60.0),
+            attitude: Attitude {
+                pitch,
+                ..Attitude::default()
+            },
+            horizontal_fov: 1.0,
+        };
+        camera.view(size)
+    }
+
     #[test]
     fn small_images_have_parts_for_several_threads() {
-        let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
-        let scene = Scene::new(Ground::from_fn(300, 290, DVec2::ONE, rough).expect("a sound grid"));
-        let planes = PlanesScene::new(Isa::best(), None, scene);
+        let planes = PlanesScene::new(Isa::best(), None, rough(300, 290));
         let count = |size: [u32; 2]| {
-            let view = Camera {
-                eye: DVec3::new(140.0, 20.0, 60.0),
-                attitude: Attitude {
-                    pitch: -0.6,
-                    ..Attitude::default()
-                },
-                horizontal_fov: 1.0,
-            }
-            .view(size);
+            let view = view(20.0, -0.6, size);
             planes.frame(&view).expect("a sound view").sectors.len()
         };
         assert_eq!([[60, 50], [500, 400], [1920, 1080]].map(count), [2, 6, 16]);
@@ -309,20 +317,8 @@ mod tests {
 
     #[test]
     fn another_grid_is_prepared_anew() {
-        let rough = |col: u32, row: u32| ((col * 37 + row * 91) % 113) as f32 * 0.2;
-        let ground = |cols: u32, rows: u32| {
-            Scene::new(Ground::from_fn(cols, rows, DVec2::ONE, rough).expect("a sound grid"))
-        };
-        let scenes = [ground(300, 290), ground(290, 600)];
-        let view = Camera {
-            eye: DVec3::new(140.0, -30.0, 60.0),
-            attitude: Attitude {
-                pitch: -0.3,
-                ..Attitude::default()
-            },
-            horizontal_fov: 1.0,
-        }
-        .view([120, 90]);
+        let scenes = [rough(300, 290), rough(290, 600)];
+        let view = view(-30.0, -0.3, [120, 90]);
         let pool = CastPool::new(1).expect("a thread");
         let cast = |prepared: &dyn PreparedScene| {
             let mut image = [Image::default()];

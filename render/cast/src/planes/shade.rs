@@ -17,7 +17,7 @@ use super::rows::Directions;
 use super::sectors::Sector;
 use super::texture::Mipmapped;
 use super::wave::{CAPACITY, Column, first_lanes};
-use crate::lanes::{LANES, Lanes, group, group_mut};
+use crate::lanes::{LANES, Lanes, group, group_mut, groups, groups_mut};
 
 /// What colouring one chunk of a step needs between its loops.
 // On a page's border, as `Numbers` are.
@@ -230,14 +230,14 @@ impl<'a> Shader<'a> {
             l.vectorize(
                 #[inline(always)]
                 || {
-                    let groups = chunk.count.div_ceil(LANES);
-                    let places = &shading.at.as_chunks::<LANES>().0[..groups];
-                    let east = &shading.east.as_chunks::<LANES>().0[..groups];
-                    let north = &shading.north.as_chunks::<LANES>().0[..groups];
-                    let colours = &mut colours.as_chunks_mut::<LANES>().0[..groups];
-                    let on = &shading.on[..groups];
-                    let rest = &mut shading.rest[..groups];
-                    for number in 0..groups {
+                    let count = chunk.count.div_ceil(LANES);
+                    let places = groups(&shading.at, count);
+                    let east = groups(&shading.east, count);
+                    let north = groups(&shading.north, count);
+                    let colours = groups_mut(colours, count);
+                    let on = &shading.on[..count];
+                    let rest = &mut shading.rest[..count];
+                    for number in 0..count {
                         if on[number] == 0 {
                             continue;
                         }
@@ -321,20 +321,18 @@ impl<'a> Shader<'a> {
     ) -> bool {
         let mut sees_sky = 0;
         let infinity = l.splat(f32::INFINITY);
-        // Whole groups, all as many: so no place is compared with ends.
-        let groups = chunk.count.div_ceil(LANES);
-        let [reached, advance, slope] = [chunk.reached, chunk.advance, chunk.slope];
-        let reached = &reached.as_chunks::<LANES>().0[..groups];
-        let advance = &advance.as_chunks::<LANES>().0[..groups];
-        let slope = &slope.as_chunks::<LANES>().0[..groups];
-        let depths = &mut depths.as_chunks_mut::<LANES>().0[..groups];
-        let places = &mut shading.at.as_chunks_mut::<LANES>().0[..groups];
-        let east = &mut shading.east.as_chunks_mut::<LANES>().0[..groups];
-        let north = &mut shading.north.as_chunks_mut::<LANES>().0[..groups];
-        let sky = &mut shading.sky[..groups];
-        let rest = &mut shading.rest[..groups];
-        let on = &mut shading.on[..groups];
-        for number in 0..groups {
+        let count = chunk.count.div_ceil(LANES);
+        let reached = groups(chunk.reached, count);
+        let advance = groups(chunk.advance, count);
+        let slope = groups(chunk.slope, count);
+        let depths = groups_mut(depths, count);
+        let places = groups_mut(&mut shading.at, count);
+        let east = groups_mut(&mut shading.east, count);
+        let north = groups_mut(&mut shading.north, count);
+        let sky = &mut shading.sky[..count];
+        let rest = &mut shading.rest[..count];
+        let on = &mut shading.on[..count];
+        for number in 0..count {
             let at = number * LANES;
             let mask = chunk.mask(at);
             let reached = l.load(&reached[number]);

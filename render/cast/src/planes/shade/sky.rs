@@ -1,7 +1,7 @@
 //! The sky's colours.
 
 use super::{Shader, Shading};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, groups_mut};
 use crate::planes::rows::Directions;
 use crate::shade::{DEPTHS, HAZE, HORIZON, ZENITH};
 
@@ -54,17 +54,17 @@ impl Shader<'_> {
         shading: &mut Shading,
         colours: &mut [i32],
     ) {
-        let groups = ((behind - first) as usize).div_ceil(LANES);
-        let sky = &shading.sky[..groups];
-        let up = &mut shading.up.as_chunks_mut::<LANES>().0[..groups];
-        let colours = &mut colours.as_chunks_mut::<LANES>().0[..groups];
+        let count = ((behind - first) as usize).div_ceil(LANES);
+        let sky = &shading.sky[..count];
+        let up = groups_mut(&mut shading.up, count);
+        let colours = groups_mut(colours, count);
         let numbers = l.load(&std::array::from_fn(|k| k as f32));
         let first = directions.at(step, first).as_vec3();
         let lane = directions.lane.as_vec3();
         let major = l.add(l.splat(first.x), l.mul(l.splat(lane.x), numbers));
         let minor = l.add(l.splat(first.y), l.mul(l.splat(lane.y), numbers));
         let height = l.add(l.splat(first.z), l.mul(l.splat(lane.z), numbers));
-        for number in 0..groups {
+        for number in 0..count {
             if sky[number] != 0 {
                 let further = lane * (number * LANES) as f32;
                 let height = l.add(height, l.splat(further.z));
@@ -76,7 +76,7 @@ impl Shader<'_> {
                 l.store(l.div(height, self.metres_of(l, direction)), &mut up[number]);
             }
         }
-        for number in 0..groups {
+        for number in 0..count {
             if sky[number] != 0 {
                 let colour = sky_colours(l, l.load(&up[number]));
                 let ground = l.load_i(&colours[number]);
