@@ -123,3 +123,62 @@ pub(super) struct Located<L: Lanes> {
     pub(super) north: L::F,
     pub(super) on: L::M,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{LANES, Portable};
+    use glam::DVec2;
+    use sandtable_terrain::TiledRaster;
+
+    /// All the way across its four borders, for rays in all four directions.
+    #[test]
+    fn colours_lie_where_the_photo_has_them() {
+        let l = Portable;
+        let size = [5, 4];
+        let pixel = |col: u32, row: u32| [40 * col as u8, 60 * row as u8, 7, 255];
+        let photo = Photo {
+            pixels: TiledRaster::from_fn(size[0], size[1], pixel),
+            origin: DVec2::ZERO,
+            spacing: DVec2::ONE,
+        };
+        let eye = DVec2::new(2.25, 1.75);
+        for [east, north] in [[1, 1], [1, -1], [-1, 1], [-1, -1]] {
+            let mapped = Mapped {
+                tiles: Tiles::new(
+                    photo.pixels.view(),
+                    photo.pixels.tiles_across(),
+                    photo.pixels.tile_stride(),
+                ),
+                x: Along::new(eye.x, 1.0, east, size[0]),
+                y: Along::new(eye.y, 1.0, north, size[1]),
+                covers: false,
+            };
+            for (x, y) in (0..40 * 40).map(|at| (at % 40, at / 40)) {
+                // Never half a pixel beside the outer ones, where it depends on rounding.
+                let advance = DVec2::new(f64::from(x), f64::from(y)) * 0.13;
+                let at = eye + advance * DVec2::new(f64::from(east), f64::from(north));
+                let advances = advance.to_array().map(|cells| l.splat(cells as f32));
+                let located = mapped.locate(l, l.mask(u16::MAX), advances);
+                let seen = photo.colour_at(at.x, at.y);
+                let on = l.bits(located.on);
+                assert_eq!(on, if seen.is_some() { u16::MAX } else { 0 }, "{at}");
+                let Some(seen) = seen else { continue };
+                let (tiles, mut places) = (&mapped.tiles, [0; LANES]);
+                l.store_i(located.at, &mut places);
+                let texels = l.texels(
+                    &tiles.items,
+                    &places,
+                    tiles.stride,
+                    located.east,
+                    located.north,
+                );
+                let mut colours = [0; LANES];
+                l.store_i(texels, &mut colours);
+                for (colour, seen) in colours[0].to_le_bytes().into_iter().zip(seen) {
+                    assert!(colour.abs_diff(seen) <= 1, "{colour}, not {seen} at {at}");
+                }
+            }
+        }
+    }
+}
