@@ -216,7 +216,7 @@ impl Lanes for Neon {
 
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-        // Apart, as plain Rust's are: in one function they take a compiler more than twelve minutes, not four.
+        // Apart, as the portable kernels are: in one function they take a compiler more than twelve minutes, not four.
         Portable.vectorize(work)
     }
 

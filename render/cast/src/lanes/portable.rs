@@ -1,30 +1,68 @@
-//! The reference: plain Rust, which every processor runs.
+//! The reference, which every processor runs: what all those of an architecture have, by `wide`, and plain
+//! Rust where that is nothing.
 
 use super::{LANES, Lanes, Texels};
+use bytemuck::{cast, cast_mut};
 use sandtable_terrain::SlabView;
+use wide::{f32x4, i16x8, i32x4, u16x8};
 
-/// Sixteen lanes without any instruction set; compilers make of it what the processor has.
+/// Sixteen lanes of what all processors have.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable;
 
 type F = [f32; LANES];
 type I = [i32; LANES];
-/// All ones or all zeros a lane, so that a choice is two bitwise operations.
+/// All ones or all zeros a lane.
 type M = [u32; LANES];
+
+/// Lanes of one register.
+const QUAD: usize = 4;
+const QUADS: usize = LANES / QUAD;
+
+/// Lanes by registers: compilers seldom find out by themselves that lanes can go side by side.
+#[inline(always)]
+fn floats(lanes: F) -> [f32x4; QUADS] {
+    cast(lanes)
+}
+
+/// As [`floats`].
+#[inline(always)]
+fn ints(lanes: I) -> [i32x4; QUADS] {
+    cast(lanes)
+}
+
+/// As [`floats`], of masks.
+#[inline(always)]
+fn masks(lanes: M) -> [i32x4; QUADS] {
+    cast(lanes)
+}
+
+/// What `f` makes of each of a group's registers.
+#[inline(always)]
+fn map<A, R>(f: impl Fn(A) -> R, a: [A; QUADS]) -> [R; QUADS] {
+    let [a0, a1, a2, a3] = a;
+    [f(a0), f(a1), f(a2), f(a3)]
+}
+
+/// As [`map`], of two.
+#[inline(always)]
+fn zip<A, B, R>(f: impl Fn(A, B) -> R, a: [A; QUADS], b: [B; QUADS]) -> [R; QUADS] {
+    let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (a, b);
+    [f(a0, b0), f(a1, b1), f(a2, b2), f(a3, b3)]
+}
 
 #[inline(always)]
 fn each<R>(lane: impl FnMut(usize) -> R) -> [R; LANES] {
     std::array::from_fn(lane)
 }
 
+/// By how much all lanes are shifted, where that is known to be the same: there are instructions only for that.
 #[inline(always)]
-fn map<T: Copy, R>(f: impl Fn(T, T) -> R, a: [T; LANES], b: [T; LANES]) -> [R; LANES] {
-    std::array::from_fn(|k| f(a[k], b[k]))
-}
-
-#[inline(always)]
-fn truth(condition: bool) -> u32 {
-    u32::from(condition).wrapping_neg()
+fn same_count(by: I) -> Option<u32> {
+    let [a, b, c, d] = ints(by);
+    let first = i32x4::splat(by[0]);
+    let same = a.simd_eq(first) & b.simd_eq(first) & c.simd_eq(first) & d.simd_eq(first);
+    same.all().then_some(by[0] as u32)
 }
 
 /// Reads places one after another, most of which lie in the slot of the one before.
@@ -44,34 +82,57 @@ impl<'a, T: Copy + Default> Cursor<'a, T> {
         }
     }
 
-    /// Goes to a place's slot; gives where in it the place is.
+    /// The `count` items from a place on, where its slot has so many.
     #[inline(always)]
-    fn seek(&mut self, place: i32) -> usize {
+    fn items_at(&mut self, place: i32, count: usize) -> Option<&'a [T]> {
         let place = place as u32;
-        if place.wrapping_sub(self.begin) as usize >= self.slot.len() {
-            (self.begin, self.slot) = self.items.slot_at(place);
+        let within = |begin: u32| {
+            let at = place.wrapping_sub(begin) as usize;
+            at..at.wrapping_add(count)
+        };
+        if let Some(items) = self.slot.get(within(self.begin)) {
+            return Some(items);
         }
-        place.wrapping_sub(self.begin) as usize
+        (self.begin, self.slot) = self.items.slot_at(place);
+        self.slot.get(within(self.begin))
     }
 
     /// The item at a place; zeros where there is none.
     #[inline(always)]
     fn item(&mut self, place: i32) -> T {
-        let at = self.seek(place);
-        self.slot.get(at).copied().unwrap_or_default()
+        self.items_at(place, 1)
+            .map(|items| items[0])
+            .unwrap_or_default()
     }
 
     /// The first item of each row of the cell at a place and the one behind it; zeros where there is
     /// no such cell.
     #[inline(always)]
     fn cell(&mut self, place: i32, stride: u32) -> [T; 4] {
-        let south = self.seek(place);
-        let north = south + stride as usize;
-        let row = |from: usize| self.slot.get(from..from + 2);
-        match (row(south), row(north)) {
-            (Some(south), Some(north)) => [south[0], south[1], north[0], north[1]],
-            _ => [T::default(); 4],
-        }
+        let stride = stride as usize;
+        self.items_at(place, stride + 2)
+            .map(|posts| [posts[0], posts[1], posts[stride], posts[stride + 1]])
+            .unwrap_or_default()
+    }
+}
+
+/// The lesser, and `b` where one is NaN.
+#[inline(always)]
+fn least(a: f32x4, b: f32x4) -> f32x4 {
+    if cfg!(target_feature = "sse2") {
+        a.fast_min(b)
+    } else {
+        a.simd_lt(b).bitselect(a, b)
+    }
+}
+
+/// The greater, and `b` where one is NaN.
+#[inline(always)]
+fn greatest(a: f32x4, b: f32x4) -> f32x4 {
+    if cfg!(target_feature = "sse2") {
+        a.fast_max(b)
+    } else {
+        b.simd_lt(a).bitselect(a, b)
     }
 }
 
@@ -101,77 +162,72 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn add(self, a: F, b: F) -> F {
-        map(|a, b| a + b, a, b)
+        cast(zip(|a, b| a + b, floats(a), floats(b)))
     }
     #[inline(always)]
     fn sub(self, a: F, b: F) -> F {
-        map(|a, b| a - b, a, b)
+        cast(zip(|a, b| a - b, floats(a), floats(b)))
     }
     #[inline(always)]
     fn mul(self, a: F, b: F) -> F {
-        map(|a, b| a * b, a, b)
+        cast(zip(|a, b| a * b, floats(a), floats(b)))
     }
     #[inline(always)]
     fn div(self, a: F, b: F) -> F {
-        map(|a, b| a / b, a, b)
+        cast(zip(|a, b| a / b, floats(a), floats(b)))
     }
     #[inline(always)]
     fn sqrt(self, a: F) -> F {
-        a.map(f32::sqrt)
+        cast(map(f32x4::sqrt, floats(a)))
     }
     #[inline(always)]
     fn abs(self, a: F) -> F {
-        a.map(f32::abs)
+        cast(map(f32x4::abs, floats(a)))
     }
     #[inline(always)]
     fn min(self, a: F, b: F) -> F {
-        map(|a, b| if a < b { a } else { b }, a, b)
+        cast(zip(least, floats(a), floats(b)))
     }
     #[inline(always)]
     fn max(self, a: F, b: F) -> F {
-        map(|a, b| if a > b { a } else { b }, a, b)
+        cast(zip(greatest, floats(a), floats(b)))
     }
 
     #[inline(always)]
     fn lt(self, a: F, b: F) -> M {
-        map(|a, b| truth(a < b), a, b)
+        cast(zip(f32x4::simd_lt, floats(a), floats(b)))
     }
     #[inline(always)]
     fn le(self, a: F, b: F) -> M {
-        map(|a, b| truth(a <= b), a, b)
+        cast(zip(f32x4::simd_le, floats(a), floats(b)))
     }
     #[inline(always)]
     fn select(self, mask: M, yes: F, no: F) -> F {
-        // A loop, as closures of `each` are sometimes called for each lane.
-        let mut chosen = no;
-        for k in 0..LANES {
-            let bits = (yes[k].to_bits() & mask[k]) | (no[k].to_bits() & !mask[k]);
-            chosen[k] = f32::from_bits(bits);
-        }
-        chosen
+        cast(self.select_i(mask, cast(yes), cast(no)))
     }
 
     #[inline(always)]
     fn mask(self, bits: u16) -> M {
-        each(|k| truth(u32::from(bits) & (1 << k) != 0))
+        let bits = i32x4::splat(i32::from(bits));
+        let own = ints(each(|k| 1 << k));
+        cast(map(|own| (bits & own).simd_eq(own), own))
     }
     #[inline(always)]
     fn bits(self, mask: M) -> u16 {
-        mask.iter()
-            .enumerate()
-            .fold(0, |bits, (k, &lane)| bits | (lane & (1 << k))) as u16
+        let [a, b, c, d] = map(i32x4::to_bitmask, masks(mask));
+        (a | b << 4 | c << 8 | d << 12) as u16
     }
     #[inline(always)]
     fn and(self, a: M, b: M) -> M {
-        map(|a, b| a & b, a, b)
+        cast(zip(|a, b| a & b, masks(a), masks(b)))
     }
     #[inline(always)]
     fn or(self, a: M, b: M) -> M {
-        map(|a, b| a | b, a, b)
+        cast(zip(|a, b| a | b, masks(a), masks(b)))
     }
     #[inline(always)]
     fn and_not(self, a: M, b: M) -> M {
-        map(|a, b| a & !b, a, b)
+        cast(zip(|a, b| a & !b, masks(a), masks(b)))
     }
 
     #[inline(always)]
@@ -192,117 +248,104 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn add_i(self, a: I, b: I) -> I {
-        map(i32::wrapping_add, a, b)
+        cast(zip(|a, b| a + b, ints(a), ints(b)))
     }
     #[inline(always)]
     fn sub_i(self, a: I, b: I) -> I {
-        map(i32::wrapping_sub, a, b)
+        cast(zip(|a, b| a - b, ints(a), ints(b)))
     }
     #[inline(always)]
     fn mul_i(self, a: I, b: I) -> I {
-        map(i32::wrapping_mul, a, b)
+        cast(zip(|a, b| a * b, ints(a), ints(b)))
     }
     #[inline(always)]
     fn mul_small(self, a: I, b: I) -> I {
-        // Compilers have an instruction for products that they know to fit.
-        map(|a, b| (a & 0x7fff) * (b & 0x7fff), a, b)
+        let product = |a: i32x4, b: i32x4| cast::<_, i16x8>(a).dot(cast(b));
+        cast(zip(product, ints(a), ints(b)))
     }
     #[inline(always)]
     fn min_halves(self, a: I, b: I) -> I {
-        let least = |a: i32, b: i32| {
-            let low = (a & 0xffff).min(b & 0xffff);
-            let high = (a as u32 >> 16).min(b as u32 >> 16);
-            low | (high << 16) as i32
-        };
-        map(least, a, b)
+        let least = |a: u16x8, b: u16x8| a - a.saturating_sub(b);
+        cast(zip(least, cast(a), cast(b)))
     }
     #[inline(always)]
     fn mul_halves(self, a: I, b: I) -> I {
-        let product = |a: i32, b: i32| {
-            let low = (a & 0xffff).wrapping_mul(b & 0xffff) & 0xffff;
-            low | (a >> 16).wrapping_mul(b >> 16) << 16
-        };
-        map(product, a, b)
+        cast(zip(|a: i16x8, b: i16x8| a * b, cast(a), cast(b)))
     }
     #[inline(always)]
     fn lerp_halves(self, a: I, b: I, share: I) -> I {
-        let half = |a: i32, b: i32, share: i32, shift: i32| {
-            let [a, b, share] = [a, b, share].map(|x| (x >> shift) as i16);
-            let part = (i32::from(b.wrapping_sub(a)) * i32::from(share) + (1 << 14)) >> 15;
-            i32::from(a.wrapping_add(part as i16) as u16) << shift
-        };
-        std::array::from_fn(|k| half(a[k], b[k], share[k], 0) | half(a[k], b[k], share[k], 16))
+        let (a, share): ([i16x8; QUADS], [i16x8; QUADS]) = (cast(a), cast(share));
+        let way = zip(|a: i16x8, b: i16x8| b - a, a, cast(b));
+        cast(zip(
+            |a, part| a + part,
+            a,
+            zip(i16x8::mul_scale_round, way, share),
+        ))
     }
     #[inline(always)]
     fn and_i(self, a: I, b: I) -> I {
-        map(|a, b| a & b, a, b)
+        cast(zip(|a, b| a & b, ints(a), ints(b)))
     }
     #[inline(always)]
     fn min_i(self, a: I, b: I) -> I {
-        map(i32::min, a, b)
+        self.select_i(self.gt_i(b, a), a, b)
     }
     #[inline(always)]
     fn max_i(self, a: I, b: I) -> I {
-        map(i32::max, a, b)
+        self.select_i(self.gt_i(a, b), a, b)
     }
     #[inline(always)]
     fn shl_i(self, a: I, by: I) -> I {
-        map(|a, by| a.wrapping_shl(by as u32), a, by)
+        if let Some(by) = same_count(by) {
+            return cast(map(|a| a << by, ints(a)));
+        }
+        each(|k| a[k].wrapping_shl(by[k] as u32))
     }
     #[inline(always)]
     fn shr_i(self, a: I, by: I) -> I {
-        map(|a, by| a.wrapping_shr(by as u32), a, by)
+        if let Some(by) = same_count(by) {
+            return cast(map(|a| a >> by, ints(a)));
+        }
+        each(|k| a[k].wrapping_shr(by[k] as u32))
     }
     #[inline(always)]
     fn gt_i(self, a: I, b: I) -> M {
-        map(|a, b| truth(a > b), a, b)
+        cast(zip(i32x4::simd_gt, ints(a), ints(b)))
     }
     #[inline(always)]
     fn eq_i(self, a: I, b: I) -> M {
-        map(|a, b| truth(a == b), a, b)
+        cast(zip(i32x4::simd_eq, ints(a), ints(b)))
     }
     #[inline(always)]
     fn select_i(self, mask: M, yes: I, no: I) -> I {
-        let mut chosen = no;
-        for k in 0..LANES {
-            chosen[k] = (yes[k] & mask[k] as i32) | (no[k] & !mask[k] as i32);
-        }
-        chosen
+        let yes = zip(|mask, yes| mask & yes, masks(mask), ints(yes));
+        let no = zip(|mask: i32x4, no| !mask & no, masks(mask), ints(no));
+        cast(zip(|yes, no| yes | no, yes, no))
     }
     #[inline(always)]
     fn add_i_where(self, mask: M, a: I, b: I) -> I {
-        each(|k| a[k].wrapping_add(b[k] & mask[k] as i32))
+        self.add_i(a, cast(zip(|b, mask| b & mask, ints(b), masks(mask))))
     }
     #[inline(always)]
     fn bits_of_float(self, number: F) -> I {
-        each(|k| number[k].to_bits() as i32)
+        cast(number)
     }
     #[inline(always)]
     fn float_of_bits(self, bits: I) -> F {
-        bits.map(|bits| f32::from_bits(bits as u32))
+        cast(bits)
     }
     #[inline(always)]
     fn to_float(self, a: I) -> F {
-        a.map(|a| a as f32)
+        cast(map(i32x4::round_float, ints(a)))
     }
     #[inline(always)]
     fn to_int(self, a: F) -> I {
-        // `as` would give zero for NaN, and so be slow.
-        let fits = self.min(a, self.splat(2_147_483_520.0));
-        let fits = self.max(fits, self.splat(-2_147_483_648.0));
-        #[allow(
-            unsafe_code,
-            reason = "one instruction for several lanes, where `as` has many for one"
-        )]
-        fits.map(
-            // SAFETY: it fits: the minimum of NaN and a number is the number.
-            |lane| unsafe { lane.to_int_unchecked() },
-        )
+        cast(map(f32x4::fast_trunc_int, floats(a)))
     }
 
     #[inline(always)]
     fn exponent(self, a: F) -> I {
-        a.map(|a| (a.to_bits() >> 23) as i32 - 127)
+        self.sub_i(self.shr_i(cast(a), self.splat_i(23)), self.splat_i(127))
     }
 
     #[inline(always)]
@@ -314,6 +357,13 @@ impl Lanes for Portable {
     fn compress_all<const N: usize>(self, mask: M, values: [I; N], mut to: [&mut [i32; LANES]; N]) {
         // Each lane is looked for once for all columns, and one end is not foreseen instead of many.
         let mut bits = self.bits(mask);
+        if bits == u16::MAX {
+            // Register by register.
+            for (to, value) in to.iter_mut().zip(&values) {
+                **to = *value;
+            }
+            return;
+        }
         for lane in 0..LANES {
             if bits == 0 {
                 break;
@@ -327,17 +377,42 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn prefetch_read<T>(self, _: &[T], _: usize) {}
+    fn prefetch_read<T>(self, items: &[T], at: usize) {
+        ask_for(items.as_ptr().wrapping_add(at));
+    }
 
     #[inline(always)]
-    fn prefetch_write<T>(self, _: &[T], _: usize) {}
+    fn prefetch_write<T>(self, items: &[T], at: usize) {
+        ask_for(items.as_ptr().wrapping_add(at));
+    }
 
     #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(self, _: &SlabView<'_, T>, _: &[i32; LANES], _: i32) {}
+    fn prefetch<T, const EVERY: usize>(
+        self,
+        items: &SlabView<'_, T>,
+        at: &[i32; LANES],
+        further: i32,
+    ) {
+        let from = items.as_ptr().wrapping_offset(further as isize);
+        for k in (0..LANES).step_by(EVERY) {
+            ask_for(from.wrapping_add(at[k] as u32 as usize));
+        }
+    }
 
     #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
-        each(|col| each(|row| rows[row][col]))
+        let mut columns = rows;
+        for from in 0..QUADS {
+            for to in 0..QUADS {
+                let quad = |k: usize| floats(cast(rows[QUAD * from + k]))[to];
+                let turned = f32x4::transpose([quad(0), quad(1), quad(2), quad(3)]);
+                for k in 0..QUAD {
+                    let column: &mut [f32x4; QUADS] = cast_mut(&mut columns[QUAD * to + k]);
+                    column[from] = turned[k];
+                }
+            }
+        }
+        columns
     }
 
     #[inline(always)]
@@ -353,14 +428,16 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn cells(self, posts: &SlabView<'_, f32>, at: &[i32; LANES], stride: u32) -> [F; 4] {
-        let mut lanes = [[0.0; LANES]; 4];
+        let mut corners = [[f32x4::splat(0.0); QUADS]; 4];
         let mut cursor = Cursor::new(posts);
-        for k in 0..LANES {
-            for (lanes, post) in lanes.iter_mut().zip(cursor.cell(at[k], stride)) {
-                lanes[k] = post;
+        for quad in 0..QUADS {
+            let mut cell = |k: usize| f32x4::new(cursor.cell(at[QUAD * quad + k], stride));
+            let cells = [cell(0), cell(1), cell(2), cell(3)];
+            for (to, corner) in corners.iter_mut().zip(f32x4::transpose(cells)) {
+                to[quad] = corner;
             }
         }
-        lanes
+        cast(corners)
     }
     #[inline(always)]
     fn byte_cells(self, bytes: &SlabView<'_, u8>, at: I, stride: u32) -> [F; 4] {
@@ -375,13 +452,16 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn pairs(self, pairs: &SlabView<'_, [u32; 2]>, at: &[i32; LANES]) -> [I; 2] {
-        let mut lanes = [[0; LANES]; 2];
+        let mut numbers = [[i32x4::splat(0); QUADS]; 2];
         let mut cursor = Cursor::new(pairs);
-        for k in 0..LANES {
-            let [first, second] = cursor.item(at[k]);
-            [lanes[0][k], lanes[1][k]] = [first as i32, second as i32];
+        for quad in 0..QUADS {
+            let mut pair = |k: usize| cursor.item(at[QUAD * quad + k]).map(|number| number as i32);
+            let pairs = [pair(0), pair(1), pair(2), pair(3)];
+            for (number, to) in numbers.iter_mut().enumerate() {
+                to[quad] = i32x4::new(pairs.map(|pair| pair[number]));
+            }
         }
-        lanes
+        cast(numbers)
     }
     #[inline(always)]
     fn pick(self, table: I, at: I) -> I {
@@ -506,6 +586,20 @@ fn rounded_product(a: i16, b: i16) -> i16 {
     let whole = ((i32::from(twice) * i32::from(b)) >> 16) as i16;
     let low = a.wrapping_mul(b) as u16;
     whole.wrapping_add((low >> 14 & 1) as i16)
+}
+
+/// Asks for memory that is soon used, where that is possible without more than an architecture has.
+#[inline(always)]
+fn ask_for<T>(place: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code, reason = "there is no safe way to ask")]
+    // SAFETY: all these processors have the instruction, and asking for memory that there is not does nothing.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(place.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
 }
 
 /// Where all kernels are one function, the compiler loses the overview of it.

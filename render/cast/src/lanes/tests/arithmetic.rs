@@ -166,6 +166,9 @@ each_isa! {
             let y = l.load_i(&by);
             assert_same_ints(l, "shl_i", l.shl_i(x, y), from_fn(|k| a[k] << by[k]));
             assert_same_ints(l, "shr_i", l.shr_i(x, y), from_fn(|k| a[k] >> by[k]));
+            let y = l.splat_i(by[0]);
+            assert_same_ints(l, "shl_i", l.shl_i(x, y), a.map(|a| a << by[0]));
+            assert_same_ints(l, "shr_i", l.shr_i(x, y), a.map(|a| a >> by[0]));
         }
     }
 
