@@ -89,10 +89,12 @@ impl<L: Lanes> March<'_, L> {
             let (mut ground, inverse) = if skies.flatten().all(|&from| from <= step) {
                 ([l.splat_i(0); 2], zero)
             } else {
-                let plane = l.add(l.splat((plane - base as f64) as f32), aside);
-                // However it is rounded, between planes that the step has: what lies beyond is left of other casts.
-                let last = (planes.end - 1 - base) as f32;
-                let plane = l.min(plane, l.splat(last.next_down()));
+                let plane = planes_asked(
+                    l,
+                    l.splat((plane - base as f64) as f32),
+                    aside,
+                    planes.end - base,
+                );
                 let seen = &seen[2 * base..];
                 if CUT {
                     cut(l, seen, base, plane, same, &corners)
@@ -134,6 +136,14 @@ impl<L: Lanes> March<'_, L> {
             }
         }
     }
+}
+
+/// On which of `count` planes pixels lie, from the first one's and how far they are from it: however that is rounded,
+/// before the last plane, as what lies beyond it is left of other casts.
+#[inline(always)]
+fn planes_asked<L: Lanes>(l: L, first: L::F, aside: L::F, count: usize) -> L::F {
+    let last = (count - 1) as f32;
+    l.min(l.add(first, aside), l.splat(last.next_down()))
 }
 
 /// What lies between planes, as `mixed` has it.
@@ -207,4 +217,25 @@ fn mixed<L: Lanes>(l: L, seen: &[i32], plane: L::F, same: L::F) -> Mixed<L> {
         l.lerp_halves(left[1], right[1], share),
     ];
     (light, inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Portable;
+
+    #[test]
+    fn pixels_lie_before_the_last_plane_however_they_are_rounded() {
+        let l = Portable;
+        for count in 2..=2 * LANES {
+            let last = (count - 1) as f32;
+            for farthest in [last.next_down(), last, last.next_up()] {
+                let mut aside = std::array::from_fn(|k| k as f32 / LANES as f32 * last);
+                aside[LANES - 1] = farthest;
+                let planes = planes_asked(l, l.splat(0.0), l.load(&aside), count);
+                assert_eq!(planes[..LANES - 1], aside[..LANES - 1], "{count} planes");
+                assert!(planes[LANES - 1] < last, "{count} planes, {farthest}");
+            }
+        }
+    }
 }
