@@ -420,34 +420,6 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch_read<T>(self, items: &[T], at: usize) {
-        on_values!(_mm_prefetch::<_MM_HINT_T0>(
-            items.as_ptr().wrapping_add(at).cast()
-        ));
-    }
-
-    #[inline(always)]
-    fn prefetch_write<T>(self, items: &[T], at: usize) {
-        on_values!(_mm_prefetch::<_MM_HINT_ET0>(
-            items.as_ptr().wrapping_add(at).cast()
-        ));
-    }
-
-    #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(
-        self,
-        items: &SlabView<'_, T>,
-        at: &[i32; LANES],
-        further: i32,
-    ) {
-        let from = items.as_ptr().wrapping_offset(further as isize);
-        for k in (0..LANES).step_by(EVERY) {
-            let place = from.wrapping_add(place_alone(at, k));
-            on_values!(_mm_prefetch::<_MM_HINT_T0>(place.cast()));
-        }
-    }
-
-    #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
         let mut columns = rows;
         for from in 0..2 {

@@ -8,12 +8,13 @@
 //! A value of an instruction set's type is the proof that the processor has it: [`Isa::best`] and
 //! [`Isa::all`] hand out no others. Inside [`Lanes::vectorize`] the compiler may use it.
 
-#[cfg(target_arch = "x86_64")]
 #[allow(
     unsafe_code,
     reason = "a read that a compiler may not join with others"
 )]
 mod alone;
+#[allow(unsafe_code, reason = "there is no safe way to ask")]
+mod ask;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions of one processor")]
 mod avx2;
@@ -28,6 +29,7 @@ mod portable;
 #[cfg(test)]
 mod tests;
 
+use alone::place_alone;
 pub(crate) use isa::{Isa, Kernel};
 pub(crate) use portable::Portable;
 use sandtable_terrain::SlabView;
@@ -184,16 +186,28 @@ pub(crate) trait Lanes: Copy {
     }
 
     /// Asks for the memory of an item, to be read soon.
-    fn prefetch_read<T>(self, items: &[T], at: usize);
+    #[inline(always)]
+    fn prefetch_read<T>(self, items: &[T], at: usize) {
+        ask::to_read(items.as_ptr().wrapping_add(at));
+    }
     /// Asks for the memory of an item, to be written soon.
-    fn prefetch_write<T>(self, items: &[T], at: usize);
+    #[inline(always)]
+    fn prefetch_write<T>(self, items: &[T], at: usize) {
+        ask::to_write(items.as_ptr().wrapping_add(at));
+    }
     /// Asks for the memory `further` on from the places of every `EVERY`-th lane, to be read soon.
+    #[inline(always)]
     fn prefetch<T, const EVERY: usize>(
         self,
         items: &SlabView<'_, T>,
         at: &[i32; LANES],
         further: i32,
-    );
+    ) {
+        let from = items.as_ptr().wrapping_offset(further as isize);
+        for k in (0..LANES).step_by(EVERY) {
+            ask::to_read(from.wrapping_add(place_alone(at, k)));
+        }
+    }
     /// Columns for rows.
     fn transpose(self, rows: [Self::I; LANES]) -> [Self::I; LANES];
 

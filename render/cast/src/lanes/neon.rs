@@ -474,53 +474,6 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
-    fn prefetch_read<T>(self, items: &[T], at: usize) {
-        let place = items.as_ptr().wrapping_add(at);
-        // SAFETY: asking for memory that there is not does nothing.
-        unsafe {
-            std::arch::asm!(
-                "prfm pldl1keep, [{}]",
-                in(reg) place,
-                options(nostack, preserves_flags, readonly)
-            );
-        }
-    }
-
-    #[inline(always)]
-    fn prefetch_write<T>(self, items: &[T], at: usize) {
-        let place = items.as_ptr().wrapping_add(at);
-        // SAFETY: asking for memory that there is not does nothing.
-        unsafe {
-            std::arch::asm!(
-                "prfm pstl1keep, [{}]",
-                in(reg) place,
-                options(nostack, preserves_flags, readonly)
-            );
-        }
-    }
-
-    #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(
-        self,
-        items: &SlabView<'_, T>,
-        at: &[i32; LANES],
-        further: i32,
-    ) {
-        let from = items.as_ptr().wrapping_offset(further as isize);
-        for k in (0..LANES).step_by(EVERY) {
-            let place = from.wrapping_add(at[k] as u32 as usize);
-            // SAFETY: asking for memory that there is not does nothing.
-            unsafe {
-                std::arch::asm!(
-                    "prfm pldl1keep, [{}]",
-                    in(reg) place,
-                    options(nostack, preserves_flags, readonly)
-                );
-            }
-        }
-    }
-
-    #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
         let mut columns = rows;
         for from in 0..4 {

@@ -377,29 +377,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn prefetch_read<T>(self, items: &[T], at: usize) {
-        ask_for(items.as_ptr().wrapping_add(at));
-    }
-
-    #[inline(always)]
-    fn prefetch_write<T>(self, items: &[T], at: usize) {
-        ask_for(items.as_ptr().wrapping_add(at));
-    }
-
-    #[inline(always)]
-    fn prefetch<T, const EVERY: usize>(
-        self,
-        items: &SlabView<'_, T>,
-        at: &[i32; LANES],
-        further: i32,
-    ) {
-        let from = items.as_ptr().wrapping_offset(further as isize);
-        for k in (0..LANES).step_by(EVERY) {
-            ask_for(from.wrapping_add(at[k] as u32 as usize));
-        }
-    }
-
-    #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
         let mut columns = rows;
         for from in 0..QUADS {
@@ -586,20 +563,6 @@ fn rounded_product(a: i16, b: i16) -> i16 {
     let whole = ((i32::from(twice) * i32::from(b)) >> 16) as i16;
     let low = a.wrapping_mul(b) as u16;
     whole.wrapping_add((low >> 14 & 1) as i16)
-}
-
-/// Asks for memory that is soon used, where that is possible without more than an architecture has.
-#[inline(always)]
-fn ask_for<T>(place: *const T) {
-    #[cfg(target_arch = "x86_64")]
-    #[allow(unsafe_code, reason = "there is no safe way to ask")]
-    // SAFETY: all these processors have the instruction, and asking for memory that there is not does nothing.
-    unsafe {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(place.cast());
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = place;
 }
 
 /// Where all kernels are one function, the compiler loses the overview of it.
