@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use sandtable_cast::Scene;
 use sandtable_terrain::Ground;
 use sandtable_view::{Attitude, Camera, Screen, View};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 /// Far away a ray's place is rounded by more than a ray that passes right over a flat roof's edge has left
 /// to it, where the wall behind that edge, if it went on upwards, would be higher by twenty times as much.
@@ -98,6 +98,46 @@ fn eyes_right_before_a_wall_see_where_it_ends() {
             .view([160, 120]);
             let verdict = verdict_of(&scene, view);
             let place = format!("{k}, {out} before a wall of {height}, {below} below");
+            assert_eq!(verdict.wrong(), 0, "{place}: {verdict}");
+        }
+    }
+}
+
+/// Eyes hardly over a terrace, at the edge from which a wall goes down: at a post or between two, and right on their
+/// line, which is the terrace's own, or hardly before it.
+#[test]
+fn eyes_at_a_walls_upper_edge_see_what_brute_force_sees() {
+    for (base, wall) in [(0.0, 0.3), (8848.0, 0.3), (-1e6, 0.2), (100.0, 20.0)] {
+        let terrace = |col: u32, row: u32| {
+            let is_high = col >= 20 && row >= 10;
+            base + if is_high { wall } else { 0.0 }
+        };
+        let ground = Ground::from_fn(50, 40, DVec2::new(1.0, 1.3), terrace);
+        let scene = Scene::new(ground.expect("a sound grid"));
+        for k in 0..96_u32 {
+            let share = |by: f64| (by * f64::from(k + 1)).fract();
+            let aside = [0.0, 1e-9, 1e-7, 1e-5][k as usize % 4];
+            let along = [15.0, 15.0 + 8.0 * share(0.618_034)][k as usize / 4 % 2];
+            let place = if k / 8 % 2 == 0 {
+                DVec2::new(20.0 + aside, along)
+            } else {
+                DVec2::new(along + 10.0, 10.0 + aside)
+            };
+            let at = place * DVec2::new(1.0, 1.3);
+            let height = scene.ground.height_at(at.x, at.y).expect("on the ground");
+            let over = 10.0_f64.powi(-10 + (k / 16) as i32);
+            let view = Camera {
+                eye: at.extend(height + over),
+                attitude: Attitude {
+                    yaw: TAU * share(0.414_213_6),
+                    pitch: -0.3 * share(0.271_828),
+                    roll: share(0.173),
+                },
+                horizontal_fov: 1.8,
+            }
+            .view([64, 48]);
+            let verdict = verdict_of(&scene, view);
+            let place = format!("{k}, {place} by {base}, {over} over a wall of {wall}");
             assert_eq!(verdict.wrong(), 0, "{place}: {verdict}");
         }
     }

@@ -25,16 +25,31 @@ pub(super) fn is_close(ground: &Ground, eye: DVec3) -> bool {
     let nearest = eye.truncate().clamp(DVec2::ZERO, grid.extent());
     let ([column, row], _) =
         (ground.heights()).locate(nearest.x / grid.spacing.x, nearest.y / grid.spacing.y);
-    let corners = ground.heights().cell(column, row).map(f64::from);
-    let relief = corners.into_iter().fold(0.0, |relief: f64, corner| {
-        relief.max((corner - eye.z).abs())
-    });
     let Some(height) = ground.height_at(nearest.x, nearest.y) else {
         return false;
     };
-    let (aside, over) = (eye.truncate().distance(nearest), eye.z - height);
-    let away = if aside > 0.0 { aside.hypot(over) } else { over };
-    away <= TELLS * relief
+    let is_over = nearest == eye.truncate();
+    if is_over && eye.z - height <= 0.0 {
+        return true;
+    }
+    // From the edge of a cell a wall may go down beside it.
+    let around = |at: u32, posts: u32| at.saturating_sub(1)..(at + 2).min(posts - 1);
+    around(row, grid.rows)
+        .flat_map(|row| around(column, grid.cols).map(move |column| [column, row]))
+        .any(|cell| is_close_to(ground, cell, eye))
+}
+
+/// The same for one cell, of an eye that is not in the ground.
+fn is_close_to(ground: &Ground, [column, row]: [u32; 2], eye: DVec3) -> bool {
+    let spacing = ground.grid().spacing;
+    let corner = |column: u32, row: u32| DVec2::new(f64::from(column), f64::from(row)) * spacing;
+    let nearest = (eye.truncate()).clamp(corner(column, row), corner(column + 1, row + 1));
+    let posts = ground.heights().cell(column, row).map(f64::from);
+    let relief = posts
+        .into_iter()
+        .fold(0.0, |relief: f64, post| relief.max((post - eye.z).abs()));
+    let height = ground.height_at(nearest.x, nearest.y);
+    height.is_some_and(|height| eye.distance(nearest.extend(height)) <= TELLS * relief)
 }
 
 /// What is known of a view whose pixels are cast alone.
