@@ -1,5 +1,6 @@
 //! The grammar of `sandtable simulate`.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
 use sandtable_input::flock::Motion;
 use std::net::SocketAddr;
@@ -94,8 +95,8 @@ pub(crate) struct SimulateFlockArgs {
     pub(crate) steer: bool,
 
     /// The motion of birds that are not held.
-    #[arg(long, value_name = "MOTION", default_value = "circle", value_parser = Motion::NAMES)]
-    pub(crate) motion: String,
+    #[arg(long, value_name = "MOTION", default_value = "circle", value_parser = motions())]
+    pub(crate) motion: Motion,
 
     /// Damage every Nth record: a byte lost, or a phase bit turned, at each place in turn.
     #[arg(long, value_name = "N")]
@@ -191,6 +192,11 @@ pub(crate) struct SimulateGloveArgs {
 }
 
 /// A speed that a Flock's switches can say.
+fn motions() -> impl TypedValueParser<Value = Motion> {
+    PossibleValuesParser::new(Motion::NAMES)
+        .map(|name| Motion::named(&name).expect("each of its names is one"))
+}
+
 fn parse_flock_baud(text: &str) -> Result<u32, String> {
     const KNOWN: [u32; 7] = [2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200];
     parse_baud(text, &KNOWN).ok_or_else(|| format!("a Flock's line has one of {KNOWN:?} baud"))

@@ -12,13 +12,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) fn run(args: &SimulateFlockArgs) -> Result<()> {
-    let motion = Motion::named(&args.motion).ok_or_else(|| {
-        let known = Motion::NAMES.join(", ");
-        usage(format!(
-            "no motion is called {:?}: use one of {known}",
-            args.motion
-        ))
-    })?;
     let birds = u32::from(args.birds);
     if args.hold.len() > birds as usize {
         return Err(usage(format!(
@@ -39,7 +32,7 @@ pub(super) fn run(args: &SimulateFlockArgs) -> Result<()> {
     let held = |bird: usize| args.hold.get(bird);
     let motions = (0..birds as usize)
         .map(|bird| {
-            held(bird).map_or(motion, |&[x, y, z, azimuth, elevation, roll]| {
+            held(bird).map_or(args.motion, |&[x, y, z, azimuth, elevation, roll]| {
                 Motion::hold([x, y, z], [azimuth, elevation, roll])
             })
         })
