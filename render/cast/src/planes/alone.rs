@@ -29,7 +29,7 @@ pub(super) fn is_close(ground: &Ground, eye: DVec3) -> bool {
         return false;
     };
     let is_over = nearest == eye.truncate();
-    if is_over && eye.z - height <= 0.0 {
+    if is_over && eye.z <= height {
         return true;
     }
     // From the edge of a cell a wall may go down beside it.
@@ -43,7 +43,9 @@ pub(super) fn is_close(ground: &Ground, eye: DVec3) -> bool {
 fn is_close_to(ground: &Ground, [column, row]: [u32; 2], eye: DVec3) -> bool {
     let spacing = ground.grid().spacing;
     let corner = |column: u32, row: u32| DVec2::new(f64::from(column), f64::from(row)) * spacing;
-    let nearest = (eye.truncate()).clamp(corner(column, row), corner(column + 1, row + 1));
+    let nearest = eye
+        .truncate()
+        .clamp(corner(column, row), corner(column + 1, row + 1));
     let posts = ground.heights().cell(column, row).map(f64::from);
     let relief = posts
         .into_iter()
