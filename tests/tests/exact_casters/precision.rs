@@ -167,3 +167,37 @@ fn pixels_of_a_microscope_see_what_brute_force_sees() {
         assert_eq!(verdict.wrong(), 0, "{k}, {pixel}: {verdict}");
     }
 }
+
+/// Eyes right beside the ground and lower than it, looking almost along its wall: all pixels of the line upwards in the
+/// middle, which runs along columns, rows or diagonals, meet it at the same distance.
+#[test]
+fn rays_almost_along_a_wall_meet_it_where_they_come_to_it() {
+    let noise = |col: u32, row: u32| 8848.0 + ((col * 37 + row * 91) % 113) as f32 * 0.005;
+    let ground = Ground::from_fn(84, 99, DVec2::ONE, noise).expect("a sound grid");
+    let extent = ground.grid().extent();
+    let scene = Scene::new(ground);
+    for k in 0..128_u32 {
+        let share = |by: f64| (by * f64::from(k + 1)).fract();
+        let slant = 10.0_f64.powf(-3.5 + 2.0 * share(0.618_034));
+        let out = slant * (2.0 + 20.0 * share(0.414_213_6));
+        let inwards = if k % 2 == 0 { slant } else { -slant };
+        let (at, yaw) = match k % 4 {
+            0 => (DVec2::new(-out, 0.5 * extent.y), 0.0),
+            1 => (DVec2::new(extent.x + out, 0.5 * extent.y), 0.0),
+            2 => (DVec2::new(0.5 * extent.x, extent.y + out), FRAC_PI_2),
+            _ => (DVec2::new(0.5 * extent.x, -out), FRAC_PI_2),
+        };
+        let view = Camera {
+            eye: at.extend(8848.0 - 15.0 * share(0.271_828)),
+            attitude: Attitude {
+                yaw: yaw + inwards,
+                pitch: share(0.236_068) - 0.8,
+                roll: FRAC_PI_4 * f64::from(k / 4 % 8),
+            },
+            horizontal_fov: 0.5 + 1.7 * share(0.173),
+        }
+        .view([161, 121]);
+        let verdict = verdict_of(&scene, view);
+        assert_eq!(verdict.wrong(), 0, "{k}, {out} beside it: {verdict}");
+    }
+}

@@ -151,9 +151,11 @@ impl<L: Lanes> March<'_, L> {
             l.store(slope, group_mut(slopes, k));
             let start = l.abs(l.load(group(starts, k)));
             let start = if is_outside {
-                let enter = l.div(l.mul(l.splat(minor_begin), major), minor);
+                let inverse = l.div(major, minor);
+                let enter = l.mul(l.splat(minor_begin), inverse);
                 // In this order: a ray along the major axis has no number there.
-                further_on(l, start, further, l.max(enter, l.splat(major_begin)))
+                let enter = l.max(enter, l.splat(major_begin));
+                further_on(l, start, further, enter, inverse)
             } else {
                 l.mul(start, l.splat(1.0 + further))
             };

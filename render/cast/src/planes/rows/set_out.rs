@@ -15,23 +15,34 @@ use crate::tally::Tally;
 /// closed up with others.
 const MANY: u32 = 8;
 
-/// Times the t where a ray comes over the ground: surely behind it, however that is rounded.
+/// Times the t where a ray comes over the ground: surely behind it, however that is rounded; and as much more for
+/// each cell along the major axis in which it goes one along the minor one, as hardly slanted rays' slants are
+/// rounded beside those of their neighbours.
 const BEHIND: f32 = 1.00001;
+const SLANTED: f32 = 1e-6;
 
 /// How high over the ground rays are taken to be that begin where no ray was before, in metres: more
 /// than any are, and few enough to be divided by what is small.
 pub(super) const VERY_HIGH: f32 = 1e30;
 
 /// Up to where rays are clear that come over the ground at `enter`, if those before them came as far as `reached`
-/// and they are clear for `further` times that beyond it.
+/// and they are clear for `further` times that beyond it; `inverse` as a [`Ray`] has it.
 ///
 /// That holds for those that came over the ground before: else the ray before may have met the ground's side, and
 /// knows of no ground below it.
 #[inline(always)]
-pub(super) fn further_on<L: Lanes>(l: L, reached: L::F, further: f32, enter: L::F) -> L::F {
-    let entered = l.lt(l.mul(enter, l.splat(BEHIND)), reached);
+pub(super) fn further_on<L: Lanes>(
+    l: L,
+    reached: L::F,
+    further: f32,
+    enter: L::F,
+    inverse: L::F,
+) -> L::F {
+    let behind = l.add(l.splat(BEHIND), l.mul(inverse, l.splat(SLANTED)));
+    // No number where an eye over the ground looks along the major axis.
+    let comes = l.le(reached, l.mul(enter, behind));
     let clear = l.mul(reached, l.splat(1.0 + further));
-    l.select(entered, clear, l.max(reached, enter))
+    l.select(comes, l.max(reached, enter), clear)
 }
 
 /// Where sixteen rays are over the ground.
@@ -135,7 +146,7 @@ impl<L: Lanes> March<'_, L> {
                             (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
                         let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
                         let further = before.further;
-                        let start = further_on(l, start, further, stay.enter);
+                        let start = further_on(l, start, further, stay.enter, inverse);
                         let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
                         let over = l.mul(start, l.add(l.splat(before.rise), falls));
                         Some(Begin { known, start, over })
