@@ -143,6 +143,38 @@ fn eyes_at_a_walls_upper_edge_see_what_brute_force_sees() {
     }
 }
 
+/// Eyes hardly over a slope, a little farther from the edge of a gorge of tens of cells' lengths.
+#[test]
+fn eyes_before_a_gorge_see_what_brute_force_sees() {
+    let cell = 128.0;
+    let gorge = |col: u32, row: u32| {
+        let deep = if col < 20 { 4300.0 } else { 0.0 };
+        (-250_000.0 - 1.9 * f64::from(col) - 1.5 * f64::from(row) - deep) as f32
+    };
+    let ground = Ground::from_fn(50, 40, DVec2::splat(cell), gorge);
+    let scene = Scene::new(ground.expect("a sound grid"));
+    for k in 0..96_u32 {
+        let share = |by: f64| (by * f64::from(k + 1)).fract();
+        let aside = 3.5e-3 + 0.02 * share(0.618_034);
+        let at = cell * DVec2::new(20.0 + aside, 10.0 + 20.0 * share(0.414_213_6));
+        let height = scene.ground.height_at(at.x, at.y).expect("on the ground");
+        let over = cell * 10.0_f64.powf(-6.0 + 2.0 * share(0.271_828));
+        let view = Camera {
+            eye: at.extend(height + over),
+            attitude: Attitude {
+                yaw: TAU * share(0.732_051),
+                pitch: 0.2 * share(0.236_068) - 0.1,
+                roll: share(0.173),
+            },
+            horizontal_fov: 2.4,
+        }
+        .view([160, 120]);
+        let verdict = verdict_of(&scene, view);
+        let place = format!("{k}, {aside} before a gorge, {over} over");
+        assert_eq!(verdict.wrong(), 0, "{place}: {verdict}");
+    }
+}
+
 /// Pixels so narrow that numbers of 32 bits tell their rays from one straight down, but hardly from one another:
 /// they meet a wall right beside the eye.
 #[test]

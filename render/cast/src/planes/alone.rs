@@ -15,9 +15,9 @@ use sandtable_terrain::{Ground, Rgb, TILE_CELLS};
 const ROUNDING: f64 = 1e-9;
 
 /// How far from the ground's surface an eye must be for the kernels to tell in which direction parts of it lie that are
-/// no farther away, as a share of how much higher or lower than the eye ground is near by: some thousand times a
-/// height's last digit.
-const TELLS: f64 = 1e-4;
+/// no farther away, as a share of how much higher or lower than the eye ground is near by: some ten thousand times
+/// a height's last digit.
+const TELLS: f64 = 1e-3;
 
 /// Whether an eye (metres) is in the ground, or too close for the kernels to its surface or a wall's upper edge.
 pub(super) fn is_close(ground: &Ground, eye: DVec3) -> bool {
