@@ -4,7 +4,6 @@ use super::PlaneGroup;
 use super::crossing::{Crossing, Texels};
 use super::halves::{between, either, parts};
 use crate::lanes::Lanes;
-use crate::planes::field::Field;
 
 /// A place of each plane between two neighbouring lines of posts. From there to either of these its
 /// profile is straight, or nearly so: it is where the plane goes from one cell to the next along the minor
@@ -53,19 +52,12 @@ impl<L: Lanes> Bend<L> {
 
     /// The ground's height there over the eye, of which the posts of both lines are known.
     #[inline(always)]
-    pub(in crate::planes) fn heights(
-        &self,
-        l: L,
-        field: &Field<'_>,
-        before: [L::F; 2],
-        behind: [L::F; 2],
-    ) -> L::F {
+    pub(in crate::planes) fn heights(&self, l: L, before: [L::F; 2], behind: [L::F; 2]) -> L::F {
         // A line of the minor axis leads from the far post of the one line to the near one of the other.
         let first = l.select(self.crosses, before[1], before[0]);
         let near = l.add(first, l.mul(l.sub(behind[0], first), self.share));
         let far = l.add(before[1], l.mul(l.sub(behind[1], before[1]), self.share));
-        let height = l.add(near, l.mul(l.sub(far, near), self.aside[1]));
-        l.sub(height, l.splat(field.eye_height))
+        l.add(near, l.mul(l.sub(far, near), self.aside[1]))
     }
 
     /// The colours of both pieces, of the posts around `before` and `behind` and what lies between them there.

@@ -7,6 +7,14 @@ use crate::lanes::{LANES, Lanes};
 use crate::planes::field::{Field, Tiles};
 use crate::planes::walk::corners;
 
+/// Heights over the eye: its own is taken from them before they are mixed, as it is what high ground's digits are
+/// lost in.
+#[inline(always)]
+fn over_the_eye<L: Lanes>(l: L, field: &Field<'_>, [near, far]: [L::F; 2]) -> [L::F; 2] {
+    let (eye, rest) = (l.splat(field.eye_height), l.splat(field.eye_rest));
+    [l.sub(l.sub(near, eye), rest), l.sub(l.sub(far, eye), rest)]
+}
+
 /// A mirrored line of posts, and where planes cross it.
 #[derive(Clone, Copy)]
 pub(in crate::planes) struct Crossing<L: Lanes> {
@@ -83,7 +91,7 @@ impl<L: Lanes> Crossing<L> {
         }
     }
 
-    /// The heights of the posts around planes, the near and the far ones.
+    /// The heights over the eye of the posts around planes, the near and the far ones, in metres.
     #[inline(always)]
     pub(in crate::planes) fn posts(
         &self,
@@ -95,16 +103,17 @@ impl<L: Lanes> Crossing<L> {
             Some(window) => window.read(l, field, planes, field.heights),
             None => None,
         };
-        match posts {
+        let posts = match posts {
             Some(posts) => {
                 let [near, far] = self.around(l, field, posts);
                 [l.float_of_bits(near), l.float_of_bits(far)]
             }
             None => self.heights_apart(l, field),
-        }
+        };
+        over_the_eye(l, field, posts)
     }
 
-    /// The heights of the posts before and behind those around planes; at the ground's border, of any posts.
+    /// The same of the posts before and behind those around planes; at the ground's border, of any posts.
     #[inline(always)]
     pub(super) fn outer_posts(
         &self,
@@ -115,23 +124,18 @@ impl<L: Lanes> Crossing<L> {
         let window = self.window.as_ref()?;
         let posts = window.read(l, field, planes, field.heights)?;
         let [before, behind] = self.outer(l, field, window);
-        Some([
+        let posts = [
             l.float_of_bits(l.among(posts, before)),
             l.float_of_bits(l.among(posts, behind)),
-        ])
+        ];
+        Some(over_the_eye(l, field, posts))
     }
 
     /// The ground's heights over the eye, in metres, between posts. Beside the ground its outermost
     /// cells' slopes go on.
     #[inline(always)]
-    pub(in crate::planes) fn heights(
-        &self,
-        l: L,
-        field: &Field<'_>,
-        [near, far]: [L::F; 2],
-    ) -> L::F {
-        let height = l.add(near, l.mul(l.sub(far, near), self.share));
-        l.sub(height, l.splat(field.eye_height))
+    pub(in crate::planes) fn heights(&self, l: L, [near, far]: [L::F; 2]) -> L::F {
+        l.add(near, l.mul(l.sub(far, near), self.share))
     }
 
     /// The ground's colours between posts, beside the ground those of its border: red and blue, green

@@ -106,7 +106,7 @@ fn profiles_are_the_grounds() {
                 let t = line as f32 - field.major.fraction;
                 let crossing = Crossing::new(Portable, field, &planes, line, 0);
                 let posts = crossing.posts(Portable, field, &planes);
-                let heights = crossing.heights(Portable, field, posts);
+                let heights = crossing.heights(Portable, posts);
                 let tiles = field.colours.expect("they were given");
                 let halves = crossing.colours(Portable, field, &planes, tiles);
                 for (k, (height, advance)) in heights.iter().zip(planes.advance).enumerate() {
@@ -240,13 +240,13 @@ fn bends_are_the_grounds() {
                 let line = |line: i32| {
                     let crossing = Crossing::new(Portable, field, &planes, line, 1);
                     let posts = crossing.posts(Portable, field, &planes);
-                    let heights = crossing.heights(Portable, field, posts);
+                    let heights = crossing.heights(Portable, posts);
                     (crossing, posts, heights)
                 };
                 for number in field.major.cells[0]..=field.major.cells[1] {
                     let [before, behind] = [line(number), line(number + 1)];
                     let bend = Bend::new(Portable, &planes, [&before.0, &behind.0], 1.0);
-                    let heights = bend.heights(Portable, field, before.1, behind.1);
+                    let heights = bend.heights(Portable, before.1, behind.1);
                     let t = number as f32 - field.major.fraction;
                     for (k, &advance) in planes.advance.iter().enumerate() {
                         let share = bend.share[k];

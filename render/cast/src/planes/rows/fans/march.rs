@@ -100,15 +100,17 @@ impl<L: Lanes> March<'_, L> {
     }
 
     /// The t as [`Start`] has it: the ten-thousandth part of the way down to the ground, as slopes of ground that
-    /// planes come over there are ten thousand then, at most; but no more than a small part of a cell.
+    /// planes come over there are ten thousand then, at most; or where the ground begins, from an eye beside it. But
+    /// no more than a small part of a cell.
     fn nearest_place(&self) -> f32 {
-        const MOST: f64 = 0.03125;
+        const MOST: f32 = 0.03125;
         let eye = self.frame.view.eye;
         let ground = self.frame.ground;
-        let nearest = ground.height_at(eye.x, eye.y).map_or(MOST, |height| {
-            1e-4 * (eye.z - height) / ground.grid().cell_length()
-        });
-        nearest.clamp(1e-6, MOST) as f32
+        let nearest = match ground.height_at(eye.x, eye.y) {
+            Some(height) => (1e-4 * (eye.z - height) / ground.grid().cell_length()) as f32,
+            None => self.bounds[0][0].max(self.bounds[1][0]),
+        };
+        nearest.clamp(1e-6, MOST)
     }
 
     /// Where planes begin, of which the first is plane `first`, and some may meet ground.

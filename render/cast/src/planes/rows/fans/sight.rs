@@ -30,7 +30,7 @@ pub(super) struct Start {
 /// Where sixteen planes cross a line of posts, or are between two.
 pub(super) struct Line<L: Lanes> {
     station: Station<L>,
-    /// The heights of the posts around planes, and of the ground between them over the eye.
+    /// The heights over the eye of the posts around planes, and of the ground between them.
     posts: [L::F; 2],
     height: L::F,
     /// The slope from the eye, and 1 / t.
@@ -242,7 +242,7 @@ impl<L: Lanes> Sight<L> {
     fn at(&self, l: L, field: &Field<'_>, station: Station<L>, t: f32) -> Line<L> {
         let planes = &self.planes;
         let posts = station.posts(l, field, planes);
-        let height = station.crossing.heights(l, field, posts);
+        let height = station.crossing.heights(l, posts);
         let inverse = 1.0 / t.max(self.nearest);
         Line {
             station,
@@ -320,7 +320,7 @@ impl<L: Lanes> Sight<L> {
     ) -> bool {
         let is_seen;
         if BENT {
-            let ([first, mut second], bend) = self.bent(l, field, &line, between, to_a_cell);
+            let ([first, mut second], bend) = self.bent(l, &line, between, to_a_cell);
             is_seen = l.bits(l.or(first.visible, second.visible)) != 0;
             if is_seen {
                 let colours = self.bent_colours(l, field, &line, &bend);
@@ -373,7 +373,6 @@ impl<L: Lanes> Sight<L> {
     fn bent(
         &mut self,
         l: L,
-        field: &Field<'_>,
         line: &Line<L>,
         between: [f32; 2],
         to_a_cell: f32,
@@ -382,7 +381,7 @@ impl<L: Lanes> Sight<L> {
         let bend = Bend::new(l, &self.planes, crossings, to_a_cell);
         let [from, to] = self.ends(l, line, between);
         let t = l.add(from.t, l.mul(bend.share, l.sub(to.t, from.t)));
-        let height = bend.heights(l, field, self.posts, line.posts);
+        let height = bend.heights(l, self.posts, line.posts);
         let inverse = l.div(l.splat(1.0), l.max(t, l.splat(self.nearest)));
         let middle = Place {
             t,
