@@ -7,14 +7,6 @@ use crate::lanes::{LANES, Lanes};
 use crate::planes::field::{Field, Tiles};
 use crate::planes::walk::corners;
 
-/// Heights over the eye: its own is taken from them before they are mixed, as it is what high ground's digits are
-/// lost in.
-#[inline(always)]
-fn over_the_eye<L: Lanes>(l: L, field: &Field<'_>, [near, far]: [L::F; 2]) -> [L::F; 2] {
-    let (eye, rest) = (l.splat(field.eye_height), l.splat(field.eye_rest));
-    [l.sub(l.sub(near, eye), rest), l.sub(l.sub(far, eye), rest)]
-}
-
 /// A mirrored line of posts, and where planes cross it.
 #[derive(Clone, Copy)]
 pub(in crate::planes) struct Crossing<L: Lanes> {
@@ -305,4 +297,12 @@ impl<L: Lanes> Crossing<L> {
             },
         )
     }
+}
+
+/// Heights over the eye: its own is taken from them before they are mixed, as it is what high ground's digits are
+/// lost in.
+#[inline(always)]
+fn over_the_eye<L: Lanes>(l: L, field: &Field<'_>, [near, far]: [L::F; 2]) -> [L::F; 2] {
+    let (eye, rest) = (l.splat(field.eye_height), l.splat(field.eye_rest));
+    [l.sub(l.sub(near, eye), rest), l.sub(l.sub(far, eye), rest)]
 }

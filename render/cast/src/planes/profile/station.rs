@@ -52,8 +52,8 @@ impl<L: Lanes> Station<L> {
         }
     }
 
-    /// The heights over the eye of the ground at the near and the far side of the cells that planes are in: between lines,
-    /// of their edges there.
+    /// The heights over the eye of the ground at the near and the far side of the cells that planes are in: between
+    /// lines, of their edges there.
     #[inline(always)]
     pub(in crate::planes) fn posts(
         &self,
