@@ -191,12 +191,13 @@ pub(crate) struct SimulateGloveArgs {
     pub(crate) vrpn: SocketAddr,
 }
 
-/// A speed that a Flock's switches can say.
+/// The motions that have names.
 fn motions() -> impl TypedValueParser<Value = Motion> {
     PossibleValuesParser::new(Motion::NAMES)
         .map(|name| Motion::named(&name).expect("each of its names is one"))
 }
 
+/// A speed that a Flock's switches can say.
 fn parse_flock_baud(text: &str) -> Result<u32, String> {
     const KNOWN: [u32; 7] = [2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200];
     parse_baud(text, &KNOWN).ok_or_else(|| format!("a Flock's line has one of {KNOWN:?} baud"))
