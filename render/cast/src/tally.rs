@@ -41,6 +41,9 @@ impl Sum for Work {
 
 /// What hot loops tell their work to: [`Work`] counts, [`Uncounted`] compiles to nothing.
 pub(crate) trait Tally {
+    /// Whether it counts anything.
+    const COUNTS: bool = true;
+
     /// A ray begins.
     fn ray(&mut self);
     /// So many rays begin side by side: those of a caster's step, from a lane on.
@@ -89,6 +92,8 @@ impl Tally for Work {
 pub(crate) struct Uncounted;
 
 impl Tally for Uncounted {
+    const COUNTS: bool = false;
+
     #[inline(always)]
     fn ray(&mut self) {}
 

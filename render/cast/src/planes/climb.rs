@@ -222,7 +222,6 @@ pub(super) fn rises_far<L: Lanes>(
 /// for this resolution to `coarser`. A ray that is far over a block goes on with larger ones.
 ///
 /// Rays are closed up in a loop of its own, which knows at once which way each goes.
-#[inline(always)]
 pub(super) fn climb<L: Lanes, const STRIPS: bool>(
     l: L,
     field: &Field<'_>,
@@ -232,73 +231,78 @@ pub(super) fn climb<L: Lanes, const STRIPS: bool>(
     widths: StripWidths,
     mut coarser: Option<Coarser<'_>>,
 ) {
-    let top = l.splat_i(TOP as i32);
-    let finest = l.splat_i(FINEST as i32);
-    let rays = wave.len();
-    for at in (0..rays).step_by(LANES) {
-        let place = place(
-            l,
-            field,
-            l.mask(wave.mask(at)),
-            wave.cell(l, at),
-            wave.level(l, at),
-        );
-        l.store_i(place, group_mut(&mut passage.place, at));
-    }
-    if field.ahead.is_some() {
-        for at in (0..rays).step_by(LANES) {
-            ask(l, field, passage, at);
-        }
-    }
-    for at in (0..rays).step_by(LANES) {
-        let ray = wave.ray(l, at);
-        let level = wave.level(l, at);
-        let place = group(&passage.place, at);
-        let to = approach::<L, STRIPS>(
-            l,
-            field,
-            l.mask(wave.mask(at)),
-            &ray,
-            wave.t(l, at),
-            wave.cell(l, at),
-            level,
-            place,
-            widths,
-        );
-        let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
-        let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
-        let next = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
-        // No level is negative: the sign tells what has left.
-        let next = l.select_i(left, l.sub_i(l.splat_i(-1), level), next);
-        wave.set_place(l, at, to.t, to.cell);
-        wave.set_level(l, at, next);
-    }
-    let (mut kept, mut landed) = (0, low.len());
-    for at in (0..rays).step_by(LANES) {
-        let mask = l.mask(wave.mask(at));
-        let ray = wave.ray(l, at);
-        let level = wave.level(l, at);
-        let (t, cell) = (wave.t(l, at), wave.cell(l, at));
-        let left = l.and(mask, l.gt_i(l.splat_i(0), level));
-        if let Some(coarser) = &mut coarser
-            && l.bits(left) != 0
-        {
-            let leave = field.leave(l, ray.inverse, ray.slope);
-            let passes = l.and(left, l.lt(t, leave));
-            let level = l.sub_i(l.splat_i(-1), level);
-            coarser.take(l, passes, &ray, t, leave, Some(level));
-        }
-        let going = l.and_not(mask, left);
-        let down = l.and(going, l.gt_i(finest, level));
-        let going = l.and_not(going, down);
-        wave.close_up_levels(l, kept, going, level);
-        kept = wave.close_up(l, kept, going, &ray, t, cell);
-        if l.bits(down) != 0 {
-            landed = low.put(l, landed, down, &ray, t, cell);
-        }
-    }
-    wave.truncate(kept);
-    low.truncate(landed);
+    l.vectorize(
+        #[inline(always)]
+        || {
+            let top = l.splat_i(TOP as i32);
+            let finest = l.splat_i(FINEST as i32);
+            let rays = wave.len();
+            for at in (0..rays).step_by(LANES) {
+                let place = place(
+                    l,
+                    field,
+                    l.mask(wave.mask(at)),
+                    wave.cell(l, at),
+                    wave.level(l, at),
+                );
+                l.store_i(place, group_mut(&mut passage.place, at));
+            }
+            if field.ahead.is_some() {
+                for at in (0..rays).step_by(LANES) {
+                    ask(l, field, passage, at);
+                }
+            }
+            for at in (0..rays).step_by(LANES) {
+                let ray = wave.ray(l, at);
+                let level = wave.level(l, at);
+                let place = group(&passage.place, at);
+                let to = approach::<L, STRIPS>(
+                    l,
+                    field,
+                    l.mask(wave.mask(at)),
+                    &ray,
+                    wave.t(l, at),
+                    wave.cell(l, at),
+                    level,
+                    place,
+                    widths,
+                );
+                let left = l.and_not(to.begins, l.lt(to.t, ray.leave));
+                let up = l.add_i_where(rises_far(l, field, &ray, &to, level), level, l.splat_i(1));
+                let next = l.select_i(to.clear, l.min_i(up, top), l.sub_i(level, l.splat_i(DOWN)));
+                // No level is negative: the sign tells what has left.
+                let next = l.select_i(left, l.sub_i(l.splat_i(-1), level), next);
+                wave.set_place(l, at, to.t, to.cell);
+                wave.set_level(l, at, next);
+            }
+            let (mut kept, mut landed) = (0, low.len());
+            for at in (0..rays).step_by(LANES) {
+                let mask = l.mask(wave.mask(at));
+                let ray = wave.ray(l, at);
+                let level = wave.level(l, at);
+                let (t, cell) = (wave.t(l, at), wave.cell(l, at));
+                let left = l.and(mask, l.gt_i(l.splat_i(0), level));
+                if let Some(coarser) = &mut coarser
+                    && l.bits(left) != 0
+                {
+                    let leave = field.leave(l, ray.inverse, ray.slope);
+                    let passes = l.and(left, l.lt(t, leave));
+                    let level = l.sub_i(l.splat_i(-1), level);
+                    coarser.take(l, passes, &ray, t, leave, Some(level));
+                }
+                let going = l.and_not(mask, left);
+                let down = l.and(going, l.gt_i(finest, level));
+                let going = l.and_not(going, down);
+                wave.close_up_levels(l, kept, going, level);
+                kept = wave.close_up(l, kept, going, &ray, t, cell);
+                if l.bits(down) != 0 {
+                    landed = low.put(l, landed, down, &ray, t, cell);
+                }
+            }
+            wave.truncate(kept);
+            low.truncate(landed);
+        },
+    )
 }
 
 /// Where the roofs of a group's blocks lie.

@@ -40,9 +40,9 @@ use self::rows::{Scratch, cast_sector};
 use self::sectors::{Bounds, ImageRays, Sector};
 use self::steepness::{Steepness, SteepnessSeen};
 use crate::canvas::Canvas;
-use crate::lanes::{Isa, Kernel, Lanes};
+use crate::lanes::{Isa, Kernel, Lanes, Portable};
 use crate::options::{CasterOption, Options};
-use crate::tally::Tally;
+use crate::tally::{Tally, Uncounted};
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
 use sandtable_terrain::{Ground, TileIndex};
@@ -142,15 +142,14 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-struct CastSector<'a, T> {
+struct CastSector<'a> {
     frame: &'a Frame<'a>,
     sector: &'a Sector,
     scratch: &'a mut Scratch,
     canvas: &'a Canvas<'a>,
-    tally: &'a mut T,
 }
 
-impl<T: Tally> Kernel for CastSector<'_, T> {
+impl Kernel for CastSector<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -161,7 +160,7 @@ impl<T: Tally> Kernel for CastSector<'_, T> {
             self.sector,
             self.scratch,
             self.canvas,
-            self.tally,
+            &mut Uncounted,
         );
     }
 }
@@ -268,14 +267,19 @@ impl UnitCaster for PlanesScene {
             alone::cast_row(frame, alone, unit as u32, canvas, tally);
             return;
         }
+        let sector = &frame.sectors[unit];
         SCRATCH.with_borrow_mut(|scratch| {
-            frame.isa.run(CastSector {
-                frame,
-                sector: &frame.sectors[unit],
-                scratch,
-                canvas,
-                tally,
-            });
+            if T::COUNTS {
+                // Rays are led the same way by all instruction sets, so what counts is compiled for one.
+                cast_sector(Portable, frame, sector, scratch, canvas, tally);
+            } else {
+                frame.isa.run(CastSector {
+                    frame,
+                    sector,
+                    scratch,
+                    canvas,
+                });
+            }
         });
     }
 }

@@ -447,20 +447,15 @@ impl<'a, L: Lanes> March<'a, L> {
             let coarser = Coarser::behind(&self.fields, level, behind);
             tally.cells(if climbs { high.ids() } else { low.ids() });
             let field = &self.fields[level];
+            let passage = &mut scratch.passage;
             if climbs {
-                l.vectorize(
-                    #[inline(always)]
-                    || {
-                        let passage = &mut scratch.passage;
-                        if keeps_strips {
-                            climb::<L, true>(l, field, high, low, passage, widths, coarser);
-                        } else {
-                            climb::<L, false>(l, field, high, low, passage, widths, coarser);
-                        }
-                    },
-                );
+                let climb = if keeps_strips {
+                    climb::<L, true>
+                } else {
+                    climb::<L, false>
+                };
+                climb(l, field, high, low, passage, widths, coarser);
             } else {
-                let passage = &mut scratch.passage;
                 let (reached, patches) = (&mut scratch.reached, &mut scratch.patches);
                 let strips = Strips {
                     widths,

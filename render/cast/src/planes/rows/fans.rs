@@ -44,10 +44,7 @@ impl<L: Lanes> March<'_, L> {
             let mut skies = std::mem::take(&mut scratch.skies);
             skies.clear();
             for first in (0..fan.planes()).step_by(PLANES) {
-                skies.push(l.vectorize(
-                    #[inline(always)]
-                    || self.march(&fan, first, scratch, &mut seen),
-                ));
+                skies.push(self.march(&fan, first, scratch, &mut seen));
             }
             (scratch.seen, scratch.skies) = (seen, skies);
             for step in fan.from..fan.to {

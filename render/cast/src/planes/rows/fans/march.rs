@@ -56,7 +56,6 @@ impl<L: Lanes> March<'_, L> {
     ///
     /// A pixel's colour is the mean of its plane's between the pixel's borders: of what of each piece
     /// of the profile rises over the horizon, in proportion to how much.
-    #[inline(always)]
     pub(super) fn march(
         &self,
         fan: &Fan,
@@ -65,38 +64,43 @@ impl<L: Lanes> March<'_, L> {
         seen: &mut [[i32; 2]],
     ) -> u32 {
         let l = self.l;
-        let rays = [
-            self.plane_rays(fan, first, scratch),
-            self.plane_rays(fan, first + LANES, scratch),
-        ];
-        let start = Start {
-            steep: self.steep() as f32,
-            nearest: self.nearest_place(),
-            period: fan.room(),
-        };
-        let field = &self.fields[0];
-        let walls = [self.walls(&rays[0]), self.walls(&rays[1])];
-        let mut left = Sight::new(l, field, &rays[0], &walls[0], &start);
-        let mut right = Sight::new(l, field, &rays[1], &walls[1], &start);
-        if rays[0].live != 0 || rays[1].live != 0 {
-            let sights = [&mut left, &mut right];
-            let way = self.way(fan, first, &rays);
-            let way = if way.at.is_bent {
-                let way = self.go_along::<true>(fan, way, sights, seen);
-                left.straighten(l);
-                right.straighten(l);
-                way
-            } else {
-                Some(way)
-            };
-            if let Some(way) = way {
-                self.go_along::<false>(fan, way, [&mut left, &mut right], seen);
-            }
-        }
-        let mut skies = [[0; LANES]; 2];
-        l.store_i(left.end(l, seen), &mut skies[0]);
-        l.store_i(right.end(l, seen), &mut skies[1]);
-        fan.clear_skies(first, &skies, seen)
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let rays = [
+                    self.plane_rays(fan, first, scratch),
+                    self.plane_rays(fan, first + LANES, scratch),
+                ];
+                let start = Start {
+                    steep: self.steep() as f32,
+                    nearest: self.nearest_place(),
+                    period: fan.room(),
+                };
+                let field = &self.fields[0];
+                let walls = [self.walls(&rays[0]), self.walls(&rays[1])];
+                let mut left = Sight::new(l, field, &rays[0], &walls[0], &start);
+                let mut right = Sight::new(l, field, &rays[1], &walls[1], &start);
+                if rays[0].live != 0 || rays[1].live != 0 {
+                    let sights = [&mut left, &mut right];
+                    let way = self.way(fan, first, &rays);
+                    let way = if way.at.is_bent {
+                        let way = self.go_along::<true>(fan, way, sights, seen);
+                        left.straighten(l);
+                        right.straighten(l);
+                        way
+                    } else {
+                        Some(way)
+                    };
+                    if let Some(way) = way {
+                        self.go_along::<false>(fan, way, [&mut left, &mut right], seen);
+                    }
+                }
+                let mut skies = [[0; LANES]; 2];
+                l.store_i(left.end(l, seen), &mut skies[0]);
+                l.store_i(right.end(l, seen), &mut skies[1]);
+                fan.clear_skies(first, &skies, seen)
+            },
+        )
     }
 
     /// The t as [`Start`] has it: the ten-thousandth part of the way down to the ground, as slopes of ground that
