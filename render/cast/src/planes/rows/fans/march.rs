@@ -56,6 +56,8 @@ impl<L: Lanes> March<'_, L> {
     ///
     /// A pixel's colour is the mean of its plane's between the pixel's borders: of what of each piece
     /// of the profile rises over the horizon, in proportion to how much.
+    ///
+    /// Apart, as it is the longest of all kernels, and its caller is compiled for each `Tally`.
     pub(super) fn march(
         &self,
         fan: &Fan,
