@@ -2,7 +2,7 @@
 //! Rust where that is nothing.
 
 use super::{LANES, Lanes, Texels};
-use bytemuck::{cast, cast_mut};
+use bytemuck::cast;
 use sandtable_terrain::SlabView;
 use wide::{f32x4, i16x8, i32x4, u16x8};
 
@@ -378,18 +378,18 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn transpose(self, rows: [I; LANES]) -> [I; LANES] {
-        let mut columns = rows;
+        // As registers until the end: lanes may lie where no register may.
+        let mut columns = [[f32x4::splat(0.0); QUADS]; LANES];
         for from in 0..QUADS {
             for to in 0..QUADS {
                 let quad = |k: usize| floats(cast(rows[QUAD * from + k]))[to];
                 let turned = f32x4::transpose([quad(0), quad(1), quad(2), quad(3)]);
                 for k in 0..QUAD {
-                    let column: &mut [f32x4; QUADS] = cast_mut(&mut columns[QUAD * to + k]);
-                    column[from] = turned[k];
+                    columns[QUAD * to + k][from] = turned[k];
                 }
             }
         }
-        columns
+        columns.map(cast)
     }
 
     #[inline(always)]
