@@ -85,6 +85,17 @@ pub(crate) trait Lanes: Copy {
     /// Runs `work`, in which this instruction set may be used, out of line.
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R;
 
+    /// Runs `work` inside of [`vectorize`](Self::vectorize), and out of line where registers hold too little for that
+    /// to cost anything: what is called from several places is one piece of code then, not one a place.
+    #[inline(always)]
+    fn share<R>(self, work: impl FnOnce() -> R) -> R {
+        if Self::IN_ONE_LOOP {
+            self.vectorize(work)
+        } else {
+            work()
+        }
+    }
+
     fn splat(self, value: f32) -> Self::F;
     fn load(self, from: &[f32; LANES]) -> Self::F;
     fn store(self, value: Self::F, to: &mut [f32; LANES]);

@@ -104,7 +104,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             march.go_on(scratch, 0, tally);
             scratch.far_from = step;
             march.shade(&shader, canvas, scratch, shaded, step);
-            march.cast_fans(step, &shader, canvas, scratch, tally);
+            for _ in 0..march.cast_fans(step, &shader, canvas, scratch) {
+                tally.ray();
+            }
             scratch.pixels.finish(l, canvas, sector);
             return;
         }
@@ -151,39 +153,21 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 }
             }
             if !keeps_strips {
-                l.vectorize(
-                    #[inline(always)]
-                    || {
-                        let across = march.across(step);
-                        march.look_back(step, led, across, scratch, &mut before);
-                    },
-                );
+                march.look_back(step, led, scratch, &mut before);
             }
+            tally.rays(step, led[0], led[1] - led[0]);
             if carries {
-                l.vectorize(
-                    #[inline(always)]
-                    || march.carry(step, led, &before, canvas, scratch, tally),
-                );
-                l.vectorize(
-                    #[inline(always)]
-                    || march.close_up(step, led, scratch),
-                );
-                left += l.vectorize(
-                    #[inline(always)]
-                    || march.send_left(led, scratch),
-                );
+                march.carry(step, led, &before, canvas, scratch);
+                for (at, rays) in march.carried(step, led, scratch) {
+                    tally.cells_of(at as i32, rays);
+                }
+                march.close_up(step, led, scratch);
+                left += march.send_left(led, scratch);
             } else {
-                // Apart, so that rays that keep no strips leave their registers to other things.
                 if keeps_strips {
-                    l.vectorize(
-                        #[inline(always)]
-                        || march.set_out(step, led, &before, true, canvas, scratch, tally),
-                    );
+                    march.set_out::<true>(step, led, &before, canvas, scratch);
                 } else {
-                    l.vectorize(
-                        #[inline(always)]
-                        || march.set_out(step, led, &before, false, canvas, scratch, tally),
-                    );
+                    march.set_out::<false>(step, led, &before, canvas, scratch);
                 }
                 march.depart((led[1] - led[0]) as usize, scratch, tally);
             }

@@ -11,7 +11,6 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::patches::Path;
 use crate::planes::wave::{CHUNK, Ray, first_lanes, same_lanes};
-use crate::tally::Tally;
 use bytemuck::cast_mut;
 
 /// Added to the number of a ray that has passed its predecessor's cell.
@@ -58,38 +57,52 @@ impl<L: Lanes> March<'_, L> {
     /// in `scratch.left`.
     ///
     /// There is no branch on what a ray finds: a processor would not foresee it, and know it late.
-    #[inline(always)]
-    pub(super) fn carry<T: Tally>(
+    pub(super) fn carry(
         &self,
         step: u32,
         lanes: [i32; 2],
         from: &Before,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
-        tally: &mut T,
     ) {
         let l = self.l;
-        let aim = Aim::new(l, self.frame, self.directions.lane);
-        let asked = scratch.pixels.asked(canvas, self.sector, step);
-        tally.rays(step, lanes[0], lanes[1] - lanes[0]);
-        for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
-            let behind = lanes[1].min(first + BLOCK as i32);
-            for lane in (first..behind).step_by(LANES) {
-                asked.prefetch(l, canvas, lane);
-            }
-            let in_chunk = (first - lanes[0]) as usize;
-            if let Some(before) = from.block(in_chunk) {
-                let all = [first, behind];
-                self.carry_block(&aim, step, all, Some(before), in_chunk, scratch, tally);
-                continue;
-            }
-            for first in (first..behind).step_by(LANES) {
-                let group = [first, behind.min(first + LANES as i32)];
-                let in_chunk = (first - lanes[0]) as usize;
-                let before = from.group(in_chunk);
-                self.carry_block(&aim, step, group, before, in_chunk, scratch, tally);
-            }
-        }
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let aim = Aim::new(l, self.frame, self.directions.lane);
+                let asked = scratch.pixels.asked(canvas, self.sector, step);
+                for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
+                    let behind = lanes[1].min(first + BLOCK as i32);
+                    for lane in (first..behind).step_by(LANES) {
+                        asked.prefetch(l, canvas, lane);
+                    }
+                    let in_chunk = (first - lanes[0]) as usize;
+                    if let Some(before) = from.block(in_chunk) {
+                        let all = [first, behind];
+                        self.carry_block(&aim, step, all, Some(before), in_chunk, scratch);
+                        continue;
+                    }
+                    for first in (first..behind).step_by(LANES) {
+                        let group = [first, behind.min(first + LANES as i32)];
+                        let in_chunk = (first - lanes[0]) as usize;
+                        let before = from.group(in_chunk);
+                        self.carry_block(&aim, step, group, before, in_chunk, scratch);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Which of a chunk's rays `carry` told what they meet: groups, by their first ray's number, and a bit a ray.
+    pub(super) fn carried(
+        &self,
+        step: u32,
+        [first, behind]: [i32; 2],
+        scratch: &Scratch,
+    ) -> impl Iterator<Item = (usize, u16)> {
+        let at = self.slot(step) + MARGIN;
+        let groups = (first..behind).step_by(LANES).zip(&scratch.left.masks);
+        groups.map(move |(lane, left)| (at + lane as usize, first_lanes(behind - lane) & !left))
     }
 
     /// As `carry`, of neighbours that have one predecessor, from the first to behind the last; they lie
@@ -99,7 +112,7 @@ impl<L: Lanes> March<'_, L> {
         clippy::too_many_arguments,
         reason = "which rays, and where they are kept"
     )]
-    fn carry_block<T: Tally>(
+    fn carry_block(
         &self,
         aim: &Aim<L>,
         step: u32,
@@ -107,7 +120,6 @@ impl<L: Lanes> March<'_, L> {
         before: Option<Predecessor>,
         in_chunk: usize,
         scratch: &mut Scratch,
-        tally: &mut T,
     ) {
         let l = self.l;
         let field = &self.fields[0];
@@ -177,87 +189,94 @@ impl<L: Lanes> March<'_, L> {
             l.store(t, group_mut(reached, k));
             let all = first_lanes(behind - lane);
             left.masks[(in_chunk + k) / LANES] = all & !l.bits(hit);
-            tally.cells_of((at + k) as i32, all & l.bits(hit));
         }
     }
 
     /// Closes up the rays that are left of a chunk.
-    #[inline(always)]
     pub(super) fn close_up(&self, step: u32, [first, behind]: [i32; 2], scratch: &mut Scratch) {
         let l = self.l;
-        let left = &mut *scratch.left;
-        let mut len = 0;
-        for lane in (first..behind).step_by(LANES) {
-            let number = (lane - first) as usize / LANES;
-            let mask = l.mask(left.masks[number]);
-            let passed = l.mask(left.passed[number]);
-            let at = self.slot(step) + MARGIN + lane as usize;
-            let bits = |numbers: &[f32]| l.bits_of_float(l.load(group(numbers, at)));
-            let values = [
-                l.add_i_where(passed, self.ids(at), l.splat_i(PASSED)),
-                bits(&scratch.advance),
-                bits(&scratch.slope),
-                bits(&scratch.reached),
-            ];
-            let columns = [
-                group_mut(&mut left.id, len),
-                cast_mut(group_mut(&mut left.advance, len)),
-                cast_mut(group_mut(&mut left.slope, len)),
-                cast_mut(group_mut(&mut left.start, len)),
-            ];
-            l.compress_all(mask, values, columns);
-            len += l.bits(mask).count_ones() as usize;
-        }
-        left.len = len;
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let left = &mut *scratch.left;
+                let mut len = 0;
+                for lane in (first..behind).step_by(LANES) {
+                    let number = (lane - first) as usize / LANES;
+                    let mask = l.mask(left.masks[number]);
+                    let passed = l.mask(left.passed[number]);
+                    let at = self.slot(step) + MARGIN + lane as usize;
+                    let bits = |numbers: &[f32]| l.bits_of_float(l.load(group(numbers, at)));
+                    let values = [
+                        l.add_i_where(passed, self.ids(at), l.splat_i(PASSED)),
+                        bits(&scratch.advance),
+                        bits(&scratch.slope),
+                        bits(&scratch.reached),
+                    ];
+                    let columns = [
+                        group_mut(&mut left.id, len),
+                        cast_mut(group_mut(&mut left.advance, len)),
+                        cast_mut(group_mut(&mut left.slope, len)),
+                        cast_mut(group_mut(&mut left.start, len)),
+                    ];
+                    l.compress_all(mask, values, columns);
+                    len += l.bits(mask).count_ones() as usize;
+                }
+                left.len = len;
+            },
+        );
     }
 
     /// Puts the rays of a chunk on their way that are left; gives how many of those that meet ground
     /// they are, about.
-    #[inline(always)]
     pub(super) fn send_left(&self, chunk: [i32; 2], scratch: &mut Scratch) -> Share {
         let l = self.l;
-        let field = &self.fields[0];
-        let (zero, one) = (l.splat(0.0), l.splat(1.0));
-        let mut near_ground = 0;
-        for at in (0..scratch.left.len).step_by(LANES) {
-            let all = l.mask(first_lanes((scratch.left.len - at) as i32));
-            let left = &scratch.left;
-            let id_and_passed = l.load_i(group(&left.id, at));
-            let id = l.and_i(id_and_passed, l.splat_i(PASSED - 1));
-            let advance = l.load(group(&left.advance, at));
-            let slope = l.load(group(&left.slope, at));
-            let start = l.load(group(&left.start, at));
-            let inverse = l.div(one, advance);
-            let stay = self.stay(all, inverse, slope);
-            let ray = Ray {
-                advance,
-                inverse,
-                slope,
-                leave: stay.leave,
-                id,
-            };
-            l.scatter(all, id, stay.nothing(l), &mut scratch.reached);
-            // Those that passed their predecessors' cells stand on a line of the one or the other axis.
-            let passed = l.gt_i(id_and_passed, l.splat_i(PASSED - 1));
-            let crosses_major = l.le(zero, start);
-            let known = l.and(stay.ok, l.or(passed, crosses_major));
-            let fresh = l.and_not(stay.ok, known);
-            let crosses_minor = l.and_not(passed, crosses_major);
-            let crosses_major = l.and(passed, crosses_major);
-            let on_minor = l.mul(l.sub(zero, start), inverse);
-            let start = l.select(crosses_minor, on_minor, start);
-            let near = l.and(known, l.lt(start, stay.leave));
-            let cell = field.cell_behind(l, start, advance, [crosses_major, crosses_minor]);
-            scratch.waves[0].low.push(l, near, &ray, start, cell);
-            near_ground += l.bits(near).count_ones() as usize;
-            if l.bits(fresh) != 0 {
-                self.begin_fresh(scratch, fresh, &ray, &stay);
-            }
-        }
-        Share {
-            part: near_ground,
-            all: (chunk[1] - chunk[0]) as usize - scratch.left.len + near_ground,
-        }
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let field = &self.fields[0];
+                let (zero, one) = (l.splat(0.0), l.splat(1.0));
+                let mut near_ground = 0;
+                for at in (0..scratch.left.len).step_by(LANES) {
+                    let all = l.mask(first_lanes((scratch.left.len - at) as i32));
+                    let left = &scratch.left;
+                    let id_and_passed = l.load_i(group(&left.id, at));
+                    let id = l.and_i(id_and_passed, l.splat_i(PASSED - 1));
+                    let advance = l.load(group(&left.advance, at));
+                    let slope = l.load(group(&left.slope, at));
+                    let start = l.load(group(&left.start, at));
+                    let inverse = l.div(one, advance);
+                    let stay = self.stay(all, inverse, slope);
+                    let ray = Ray {
+                        advance,
+                        inverse,
+                        slope,
+                        leave: stay.leave,
+                        id,
+                    };
+                    l.scatter(all, id, stay.nothing(l), &mut scratch.reached);
+                    // Those that passed their predecessors' cells stand on a line of the one or the other axis.
+                    let passed = l.gt_i(id_and_passed, l.splat_i(PASSED - 1));
+                    let crosses_major = l.le(zero, start);
+                    let known = l.and(stay.ok, l.or(passed, crosses_major));
+                    let fresh = l.and_not(stay.ok, known);
+                    let crosses_minor = l.and_not(passed, crosses_major);
+                    let crosses_major = l.and(passed, crosses_major);
+                    let on_minor = l.mul(l.sub(zero, start), inverse);
+                    let start = l.select(crosses_minor, on_minor, start);
+                    let near = l.and(known, l.lt(start, stay.leave));
+                    let cell = field.cell_behind(l, start, advance, [crosses_major, crosses_minor]);
+                    scratch.waves[0].low.push(l, near, &ray, start, cell);
+                    near_ground += l.bits(near).count_ones() as usize;
+                    if l.bits(fresh) != 0 {
+                        self.begin_fresh(scratch, fresh, &ray, &stay);
+                    }
+                }
+                Share {
+                    part: near_ground,
+                    all: (chunk[1] - chunk[0]) as usize - scratch.left.len + near_ground,
+                }
+            },
+        )
     }
 
     /// How many of some rays of a step meet the ground in other cells than those towards which they

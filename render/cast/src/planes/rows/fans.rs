@@ -18,19 +18,18 @@ use super::scratch::{MARGIN, MEMORY, Scratch};
 use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes};
 use crate::planes::shade::Shader;
-use crate::tally::Tally;
 
 impl<L: Lanes> March<'_, L> {
-    /// Casts the steps of a sector from `begin` on.
-    pub(super) fn cast_fans<T: Tally>(
+    /// Casts the steps of a sector from `begin` on; gives how many rays they have.
+    pub(super) fn cast_fans(
         &self,
         begin: u32,
         shader: &Shader<'_>,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
-        tally: &mut T,
-    ) {
+    ) -> u32 {
         let l = self.l;
+        let mut rays = 0;
         let mut fans = Vec::new();
         let mut to = self.sector.steps;
         while to > begin {
@@ -57,9 +56,10 @@ impl<L: Lanes> March<'_, L> {
                 let lanes = fan.lanes(step);
                 scratch.lanes[step as usize % MEMORY] = lanes;
                 if lanes[0] < lanes[1] {
+                    rays += (lanes[1] - lanes[0]) as u32;
                     l.vectorize(
                         #[inline(always)]
-                        || self.between(&fan, step, shader, canvas, scratch, tally),
+                        || self.between(&fan, step, shader, canvas, scratch),
                     );
                 }
                 scratch
@@ -67,6 +67,7 @@ impl<L: Lanes> March<'_, L> {
                     .finish_step(l, canvas, self.sector, step, lanes);
             }
         }
+        rays
     }
 
     /// Whether most rays of a step came, so far, to where a pixel covers so many posts that it may lie

@@ -42,7 +42,8 @@ impl Before {
 }
 
 impl<L: Lanes> March<'_, L> {
-    /// Some of the runs of `count` neighbours each into which lanes are cut.
+    /// Some of the runs of `count` neighbours each into which lanes are cut. `across` as in
+    /// [`March::steepest_near`].
     #[inline(always)]
     fn runs_of(
         &self,
@@ -68,56 +69,60 @@ impl<L: Lanes> March<'_, L> {
     }
 
     /// Finds from which rays those of a chunk of lanes begin: all of a block from one if that lies near, or else each
-    /// group from one of any step that is kept. `across` as in [`March::steepest_near`].
-    #[inline(always)]
+    /// group from one of any step that is kept.
     pub(super) fn look_back(
         &self,
         step: u32,
         lanes: [i32; 2],
-        across: Option<f32>,
         scratch: &Scratch,
         before: &mut Before,
     ) {
-        let behind = |number: usize, count: usize| lanes[0] + (number * count) as i32;
-        let blocks = ((lanes[1] - lanes[0]) as usize).div_ceil(BLOCK);
-        let (mut left, mut count) = ([0; CHUNK / LANES], 0);
-        for from in (0..blocks).step_by(SIDE_BY_SIDE) {
-            let runs = self.runs_of(
-                step,
-                BLOCK,
-                lanes,
-                across,
-                scratch,
-                #[inline(always)]
-                |k| (from + k).min(blocks - 1),
-            );
-            let found = self.predecessors(step, &runs, NEAR);
-            for k in 0..SIDE_BY_SIDE.min(blocks - from) {
-                let found = found.of(k);
-                before.blocks[from + k] = found;
-                if found.is_none() {
-                    let first = (from + k) * (BLOCK / LANES);
-                    for group in first..first + BLOCK / LANES {
-                        left[count] = group;
-                        count += usize::from(behind(group, LANES) < lanes[1]);
+        self.l.vectorize(
+            #[inline(always)]
+            || {
+                let across = self.across(step);
+                let behind = |number: usize, count: usize| lanes[0] + (number * count) as i32;
+                let blocks = ((lanes[1] - lanes[0]) as usize).div_ceil(BLOCK);
+                let (mut left, mut count) = ([0; CHUNK / LANES], 0);
+                for from in (0..blocks).step_by(SIDE_BY_SIDE) {
+                    let runs = self.runs_of(
+                        step,
+                        BLOCK,
+                        lanes,
+                        across,
+                        scratch,
+                        #[inline(always)]
+                        |k| (from + k).min(blocks - 1),
+                    );
+                    let found = self.predecessors(step, &runs, NEAR);
+                    for k in 0..SIDE_BY_SIDE.min(blocks - from) {
+                        let found = found.of(k);
+                        before.blocks[from + k] = found;
+                        if found.is_none() {
+                            let first = (from + k) * (BLOCK / LANES);
+                            for group in first..first + BLOCK / LANES {
+                                left[count] = group;
+                                count += usize::from(behind(group, LANES) < lanes[1]);
+                            }
+                        }
                     }
                 }
-            }
-        }
-        for left in left[..count].chunks(SIDE_BY_SIDE) {
-            let runs = self.runs_of(
-                step,
-                LANES,
-                lanes,
-                across,
-                scratch,
-                #[inline(always)]
-                |k| left[k.min(left.len() - 1)],
-            );
-            let found = self.predecessors(step, &runs, MEMORY - 1);
-            for (k, &group) in left.iter().enumerate() {
-                before.groups[group] = found.of(k);
-            }
-        }
+                for left in left[..count].chunks(SIDE_BY_SIDE) {
+                    let runs = self.runs_of(
+                        step,
+                        LANES,
+                        lanes,
+                        across,
+                        scratch,
+                        #[inline(always)]
+                        |k| left[k.min(left.len() - 1)],
+                    );
+                    let found = self.predecessors(step, &runs, MEMORY - 1);
+                    for (k, &group) in left.iter().enumerate() {
+                        before.groups[group] = found.of(k);
+                    }
+                }
+            },
+        );
     }
 }

@@ -9,7 +9,6 @@ use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::climb::{FAR, NEAR, level_for};
 use crate::planes::depart::{Departing, Departure};
 use crate::planes::wave::{Ray, Waves, first_lanes, same_lanes};
-use crate::tally::Tally;
 
 /// Rays of a group that set out low from which on they go through their first cell as they are, not
 /// closed up with others.
@@ -73,105 +72,105 @@ impl<L: Lanes> Stay<L> {
 
 impl<L: Lanes> March<'_, L> {
     /// Sets up the rays of a step and finds where they begin; parks those that begin high.
-    #[inline(always)]
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "which rays, from where, and to where"
-    )]
-    pub(super) fn set_out<T: Tally>(
+    ///
+    /// Whether strips are kept is known where it is compiled: rays that keep none have all registers for themselves.
+    pub(super) fn set_out<const KEEPS_STRIPS: bool>(
         &self,
         step: u32,
         lanes: [i32; 2],
         from: &Before,
-        keeps_strips: bool,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
-        tally: &mut T,
     ) {
         let l = self.l;
-        let one = l.splat(1.0);
-        let aim = Aim::new(l, self.frame, self.directions.lane);
-        let across = self.across(step);
-        let oblong = l.splat(self.oblong as f32);
-        let slot = self.slot(step);
-        let asked = scratch.pixels.asked(canvas, self.sector, step);
-        for first in (lanes[0]..lanes[1]).step_by(LANES) {
-            let at = slot + MARGIN + first as usize;
-            let count = (lanes[1] - first).min(LANES as i32);
-            let all = l.mask(first_lanes(count));
-            // A few lines a group, long before they are written: many at once are waited for.
-            asked.prefetch(l, canvas, first);
-            let Aimed {
-                advance,
-                inverse,
-                slope,
-                scale,
-            } = aim.at(l, self.directions.at(step, first));
-            let stay = self.stay(all, inverse, slope);
-            l.store(advance, group_mut(&mut scratch.advance, at));
-            l.store(slope, group_mut(&mut scratch.slope, at));
-            l.store(stay.nothing(l), group_mut(&mut scratch.reached, at));
-            let in_chunk = (first - lanes[0]) as usize;
-            if keeps_strips {
-                l.store(l.splat(f32::INFINITY), group_mut(&mut scratch.clear, at));
-            }
-            scratch.departure.clear(in_chunk, at);
-            let ray = Ray {
-                advance,
-                inverse,
-                slope,
-                leave: stay.leave,
-                id: self.ids(at),
-            };
-            // How many cells, of the longer of their sides, a pixel covers across its ray for each 1 of t.
-            let mut width = None;
-            if let Some(across) = across {
-                let turned = l.mul(oblong, advance);
-                let turned = l.sqrt(l.add(one, l.mul(turned, turned)));
-                width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
-            }
-            // Which rays know from an earlier step up to where they are clear, and about how high they are over the
-            // ground there.
-            let begin = if keeps_strips {
-                let ends = [first, first + count - 1];
-                self.begin_by_strips(step, self.towards(step), ends, &ray, &stay, scratch)
-            } else {
-                match from.block(in_chunk).or(from.group(in_chunk)) {
-                    Some(before) => {
-                        let before_step = step - before.steps.get();
-                        let before_lanes = scratch.lanes[before_step as usize % MEMORY];
-                        // Those whose predecessors are the sector's.
-                        let known = l.mask(same_lanes(before_lanes, first + before.lanes));
-                        let before_at =
-                            (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
-                        let start = l.abs(l.load(group(&scratch.reached, before_at as usize)));
-                        let further = before.further;
-                        let start = further_on(l, start, further, stay.enter, inverse);
-                        let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
-                        let over = l.mul(start, l.add(l.splat(before.rise), falls));
-                        Some(Begin { known, start, over })
+        l.vectorize(
+            #[inline(always)]
+            || {
+                let one = l.splat(1.0);
+                let aim = Aim::new(l, self.frame, self.directions.lane);
+                let across = self.across(step);
+                let oblong = l.splat(self.oblong as f32);
+                let slot = self.slot(step);
+                let asked = scratch.pixels.asked(canvas, self.sector, step);
+                for first in (lanes[0]..lanes[1]).step_by(LANES) {
+                    let at = slot + MARGIN + first as usize;
+                    let count = (lanes[1] - first).min(LANES as i32);
+                    let all = l.mask(first_lanes(count));
+                    // A few lines a group, long before they are written: many at once are waited for.
+                    asked.prefetch(l, canvas, first);
+                    let Aimed {
+                        advance,
+                        inverse,
+                        slope,
+                        scale,
+                    } = aim.at(l, self.directions.at(step, first));
+                    let stay = self.stay(all, inverse, slope);
+                    l.store(advance, group_mut(&mut scratch.advance, at));
+                    l.store(slope, group_mut(&mut scratch.slope, at));
+                    l.store(stay.nothing(l), group_mut(&mut scratch.reached, at));
+                    let in_chunk = (first - lanes[0]) as usize;
+                    if KEEPS_STRIPS {
+                        l.store(l.splat(f32::INFINITY), group_mut(&mut scratch.clear, at));
                     }
-                    None => None,
+                    scratch.departure.clear(in_chunk, at);
+                    let ray = Ray {
+                        advance,
+                        inverse,
+                        slope,
+                        leave: stay.leave,
+                        id: self.ids(at),
+                    };
+                    // How many cells, of the longer of their sides, a pixel covers across its ray for each 1 of t.
+                    let mut width = None;
+                    if let Some(across) = across {
+                        let turned = l.mul(oblong, advance);
+                        let turned = l.sqrt(l.add(one, l.mul(turned, turned)));
+                        width = Some(l.div(l.mul(l.splat(across), l.mul(scale, scale)), turned));
+                    }
+                    // Which rays know from an earlier step up to where they are clear, and about how high they are over the
+                    // ground there.
+                    let begin = if KEEPS_STRIPS {
+                        let ends = [first, first + count - 1];
+                        self.begin_by_strips(step, self.towards(step), ends, &ray, &stay, scratch)
+                    } else {
+                        match from.block(in_chunk).or(from.group(in_chunk)) {
+                            Some(before) => {
+                                let before_step = step - before.steps.get();
+                                let before_lanes = scratch.lanes[before_step as usize % MEMORY];
+                                // Those whose predecessors are the sector's.
+                                let known = l.mask(same_lanes(before_lanes, first + before.lanes));
+                                let before_at =
+                                    (self.slot(before_step) + MARGIN) as i32 + first + before.lanes;
+                                let start =
+                                    l.abs(l.load(group(&scratch.reached, before_at as usize)));
+                                let further = before.further;
+                                let start = further_on(l, start, further, stay.enter, inverse);
+                                let falls = l.mul(l.min(slope, l.splat(0.0)), l.splat(further));
+                                let over = l.mul(start, l.add(l.splat(before.rise), falls));
+                                Some(Begin { known, start, over })
+                            }
+                            None => None,
+                        }
+                    };
+                    let mut fresh = stay.ok;
+                    if let Some(Begin { known, start, over }) = begin {
+                        let known = l.and(known, stay.ok);
+                        fresh = l.and_not(stay.ok, known);
+                        let known = l.and(known, l.lt(start, stay.leave));
+                        let waves = &mut scratch.waves[..self.fields.len()];
+                        let departure = &mut scratch.departure;
+                        self.send(waves, departure, in_chunk, known, &ray, start, over, width);
+                    }
+                    if l.bits(fresh) != 0 {
+                        let start = self.fresh_start(&ray, &stay);
+                        let fresh = l.and(fresh, l.lt(start, stay.leave));
+                        let waves = &mut scratch.waves[..self.fields.len()];
+                        let (departure, over) = (&mut scratch.departure, l.splat(VERY_HIGH));
+                        self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
+                    }
                 }
-            };
-            let mut fresh = stay.ok;
-            if let Some(Begin { known, start, over }) = begin {
-                let known = l.and(known, stay.ok);
-                fresh = l.and_not(stay.ok, known);
-                let known = l.and(known, l.lt(start, stay.leave));
-                let waves = &mut scratch.waves[..self.fields.len()];
-                let departure = &mut scratch.departure;
-                self.send(waves, departure, in_chunk, known, &ray, start, over, width);
-            }
-            if l.bits(fresh) != 0 {
-                let start = self.fresh_start(&ray, &stay);
-                let fresh = l.and(fresh, l.lt(start, stay.leave));
-                let waves = &mut scratch.waves[..self.fields.len()];
-                let (departure, over) = (&mut scratch.departure, l.splat(VERY_HIGH));
-                self.send(waves, departure, in_chunk, fresh, &ray, start, over, width);
-            }
-        }
-        tally.rays(step, lanes[0], lanes[1] - lanes[0]);
+            },
+        );
     }
 
     /// The numbers of the group that begins at number `at` among all that are kept of steps.

@@ -11,31 +11,29 @@ use crate::canvas::Canvas;
 use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::profile::{halves, parts, twice, upper_bytes};
 use crate::planes::shade::{Shader, sky_colours};
-use crate::tally::Tally;
 
 impl<L: Lanes> March<'_, L> {
     /// Gives a step's pixels what lies between what their planes see: a mean of colours, and how far
     /// they reach; where planes see different pieces of ground, as far as the nearer plane in the
     /// image.
     #[inline(always)]
-    pub(super) fn between<T: Tally>(
+    pub(super) fn between(
         &self,
         fan: &Fan,
         step: u32,
         shader: &Shader<'_>,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
-        tally: &mut T,
     ) {
         let [from, to] = fan.lanes(step);
         let is_seen = |corner: &Corner| corner.is_among(from, to - from);
         let corners = self.corners(fan, step).map(|corner| corner.filter(is_seen));
-        self.pixels::<T, false>(fan, step, &corners, shader, canvas, scratch, tally);
+        self.pixels::<false>(fan, step, &corners, shader, canvas, scratch);
         if corners.iter().any(Option::is_some) {
             // Apart, as it is seldom asked for.
             self.l.vectorize(
                 #[inline(always)]
-                || self.pixels::<T, true>(fan, step, &corners, shader, canvas, scratch, tally),
+                || self.pixels::<true>(fan, step, &corners, shader, canvas, scratch),
             );
         }
     }
@@ -43,7 +41,7 @@ impl<L: Lanes> March<'_, L> {
     /// The pixels of the groups in which the ground ends at one of the `corners` if `CUT`, else the others.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "what `between` has")]
-    fn pixels<T: Tally, const CUT: bool>(
+    fn pixels<const CUT: bool>(
         &self,
         fan: &Fan,
         step: u32,
@@ -51,7 +49,6 @@ impl<L: Lanes> March<'_, L> {
         shader: &Shader<'_>,
         canvas: &Canvas<'_>,
         scratch: &mut Scratch,
-        tally: &mut T,
     ) {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
@@ -131,9 +128,6 @@ impl<L: Lanes> March<'_, L> {
             let (to_colours, to_depths) = scratch.pixels.lanes_mut(step, first);
             l.store_i(colour, group_mut(to_colours, 0));
             l.store(depth, group_mut(to_depths, 0));
-            for _ in first..lanes[1].min(first + LANES as i32) {
-                tally.ray();
-            }
         }
     }
 }

@@ -227,15 +227,25 @@ impl<L: Lanes> Sight<L> {
         line: i32,
         t: f32,
     ) -> Line<L> {
-        let station = Station::on_line(l, field, &self.planes, line, i32::from(BENT));
-        self.at(l, field, station, t)
+        l.share(
+            #[inline(always)]
+            || {
+                let station = Station::on_line(l, field, &self.planes, line, i32::from(BENT));
+                self.at(l, field, station, t)
+            },
+        )
     }
 
     /// A place between two lines, at t.
     #[inline(always)]
     pub(super) fn place(&self, l: L, field: &Field<'_>, mark: Mark, t: f32) -> Line<L> {
-        let station = Station::between(l, field, &self.planes, mark);
-        self.at(l, field, station, t)
+        l.share(
+            #[inline(always)]
+            || {
+                let station = Station::between(l, field, &self.planes, mark);
+                self.at(l, field, station, t)
+            },
+        )
     }
 
     #[inline(always)]
@@ -318,26 +328,32 @@ impl<L: Lanes> Sight<L> {
         same: f32,
         seen: &mut [[i32; 2]],
     ) -> bool {
-        let is_seen;
-        if BENT {
-            let ([first, mut second], bend) = self.bent(l, &line, between, to_a_cell);
-            is_seen = l.bits(l.or(first.visible, second.visible)) != 0;
-            if is_seen {
-                let colours = self.bent_colours(l, field, &line, &bend);
-                let paint = self.paint_bent(l, &colours, 0, &first);
-                self.add::<true>(l, first, paint, same, seen);
-                self.look_again(l, &mut second);
-                let paint = self.paint_bent(l, &colours, 1, &second);
-                self.add::<true>(l, second, paint, same, seen);
-            }
-        } else {
-            let piece = self.piece(l, &line, between);
-            is_seen = l.bits(piece.visible) != 0;
-            if is_seen {
-                let paint = self.paint(l, field, &line, &piece);
-                self.add::<false>(l, piece, paint, same, seen);
-            }
-        }
+        let is_seen = l.share(
+            #[inline(always)]
+            || {
+                if BENT {
+                    let ([first, mut second], bend) = self.bent(l, &line, between, to_a_cell);
+                    let is_seen = l.bits(l.or(first.visible, second.visible)) != 0;
+                    if is_seen {
+                        let colours = self.bent_colours(l, field, &line, &bend);
+                        let paint = self.paint_bent(l, &colours, 0, &first);
+                        self.add::<true>(l, first, paint, same, seen);
+                        self.look_again(l, &mut second);
+                        let paint = self.paint_bent(l, &colours, 1, &second);
+                        self.add::<true>(l, second, paint, same, seen);
+                    }
+                    is_seen
+                } else {
+                    let piece = self.piece(l, &line, between);
+                    let is_seen = l.bits(piece.visible) != 0;
+                    if is_seen {
+                        let paint = self.paint(l, field, &line, &piece);
+                        self.add::<false>(l, piece, paint, same, seen);
+                    }
+                    is_seen
+                }
+            },
+        );
         self.leave_behind::<BENT>(line, is_seen);
         is_seen
     }
