@@ -78,18 +78,20 @@ pub(crate) trait Lanes: Copy {
     type I: Copy;
     type M: Copy;
 
-    /// Whether work is better done in one loop than in several: so it is where registers are so small
-    /// that what is kept between loops costs more than what a processor gains by doing more at once.
-    const IN_ONE_LOOP: bool = false;
+    /// Whether registers hold so little that most numbers lie in memory anyway. Then work is better done in one loop
+    /// than in several, as what is kept between loops costs more than what a processor gains by doing more at once;
+    /// and what is called from several places is hardly slower as one piece of code, which [`share`](Self::share)
+    /// makes of it, and compiled in a fraction of the time.
+    const HOLDS_LITTLE: bool = false;
 
     /// Runs `work`, in which this instruction set may be used, out of line.
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R;
 
-    /// Runs `work` inside of [`vectorize`](Self::vectorize), and out of line where registers hold too little for that
-    /// to cost anything: what is called from several places is one piece of code then, not one a place.
+    /// Runs `work` inside of [`vectorize`](Self::vectorize): out of line where registers hold little, else in each place
+    /// that it is called from.
     #[inline(always)]
     fn share<R>(self, work: impl FnOnce() -> R) -> R {
-        if Self::IN_ONE_LOOP {
+        if Self::HOLDS_LITTLE {
             self.vectorize(work)
         } else {
             work()

@@ -141,7 +141,7 @@ impl Lanes for Portable {
     type I = I;
     type M = M;
 
-    const IN_ONE_LOOP: bool = true;
+    const HOLDS_LITTLE: bool = true;
 
     #[inline(always)]
     fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {

@@ -300,7 +300,7 @@ fn lead_through_cells<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
                     let rises = strips.rises(l, field, mask, &ray, t, cell, &crossing, &patch);
                     strips.end_first(l, rises, departure.firsts[at / LANES] as usize, t);
                 }
-                if L::IN_ONE_LOOP {
+                if L::HOLDS_LITTLE {
                     end::<L, KEEPS>(
                         l, fields, departure, step, waves, at, &crossing, reached, patches,
                     );
@@ -311,7 +311,7 @@ fn lead_through_cells<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
             }
         },
     );
-    if L::IN_ONE_LOOP {
+    if L::HOLDS_LITTLE {
         return;
     }
     l.vectorize(

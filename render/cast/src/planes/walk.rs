@@ -201,7 +201,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
                     let rises = strips.rises(l, field, mask, &ray, t, cell, &crossing, &patch);
                     strips.end(l, rises, ray.id, t);
                 }
-                if L::IN_ONE_LOOP {
+                if L::HOLDS_LITTLE {
                     ends.take::<L, KEEPS>(l, wave, passage, at, &crossing);
                 } else {
                     wave.set_cell(l, at, crossing.next_cell);
@@ -210,7 +210,7 @@ pub(super) fn walk<L: Lanes, const KEEPS: bool, const STRIPS: bool>(
             }
         },
     );
-    if !L::IN_ONE_LOOP {
+    if !L::HOLDS_LITTLE {
         l.vectorize(
             #[inline(always)]
             || {
