@@ -27,6 +27,7 @@ fn each_look_at_the_ground_belongs_to_a_pixel() -> Result<(), Box<dyn Error>> {
         let work = prepared.work(&view)?;
         let looks: u64 = survey.looks.iter().map(|&looks| u64::from(looks)).sum();
         assert_eq!(looks, work.cells, "{}", at.name);
+        assert_eq!(work.rays, 317 * 181, "{}", at.name);
         for (looks, depth) in survey.looks.iter().zip(&image.depth) {
             assert!(
                 *looks > 0 || depth.is_infinite(),
