@@ -108,21 +108,21 @@ fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
     ]
 }
 
-/// `at`, where no place in it is behind `last`, as is usual; else a copy in `moved`, with those that
-/// are moved to it. One comparison for all lanes takes less time than one each.
+/// Whether no place is behind `last`. One comparison for all lanes takes less time than one each.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-fn bounded<'a>(at: &'a [i32; LANES], last: usize, moved: &'a mut [i32; LANES]) -> &'a [i32; LANES] {
+fn are_within(at: &[i32; LANES], last: usize) -> bool {
     let bound = u32::try_from(last).unwrap_or(u32::MAX);
     // SAFETY: a reference can be read.
     let places = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
-    if _mm512_cmpgt_epu32_mask(places, _mm512_set1_epi32(bound as i32)) == 0 {
-        return at;
-    }
-    for (moved, &place) in moved.iter_mut().zip(at) {
-        *moved = (place as u32).min(bound) as i32;
-    }
-    moved
+    _mm512_cmpgt_epu32_mask(places, _mm512_set1_epi32(bound as i32)) == 0
+}
+
+/// Places, of which those behind `last` are moved to it.
+#[cold]
+#[inline(never)]
+fn moved(at: &[i32; LANES], last: usize) -> [i32; LANES] {
+    at.map(|place| (place as u32 as usize).min(last) as i32)
 }
 
 /// As `pairs`, at places in rows of items of `SIZE` bytes each, by the processor's own instruction.
@@ -159,8 +159,13 @@ fn rows<T>(l: Avx512, items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -
     let last = items.len() - (stride as usize + 2);
     let south = items.as_ptr();
     let north = south.wrapping_add(stride as usize);
-    let mut moved = [0; LANES];
-    let at = on_values!(bounded(at, last, &mut moved));
+    let elsewhere;
+    let at = if on_values!(are_within(at, last)) {
+        at
+    } else {
+        elsewhere = moved(at, last);
+        &elsewhere
+    };
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         if l.gathers_up_to(last) {
@@ -212,9 +217,9 @@ fn blend([south, north_row]: [[Pairs; 2]; 2], east: __m512, north: __m512) -> __
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn spread(weights: __m512i, first: i64) -> __m512i {
-    let of = |lane: i64| 0x0001_0001_0001_0001 * 2 * (first + lane);
-    let [a, b, c, d, e, f, g, h] = [0, 1, 4, 5, 8, 9, 12, 13].map(of);
-    _mm512_permutexvar_epi16(_mm512_setr_epi64(a, b, c, d, e, f, g, h), weights)
+    let of = |lane: i64| 0x0100_0100_0100_0100 + 0x0404_0404_0404_0404 * (first + lane);
+    let quarter = _mm_set_epi64x(of(1), of(0));
+    _mm512_shuffle_epi8(weights, _mm512_broadcast_i32x4(quarter))
 }
 
 /// Blends sixteen lanes' four texels: 16 bits a channel, six of them a fraction, in the order of
@@ -338,6 +343,14 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn le(self, a: __m512, b: __m512) -> __mmask16 {
         on_values!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn are_shares(self, a: __m512, b: __m512) -> __mmask16 {
+        // Of numbers below 0 the first bit is set, of 1 it is not.
+        on_values!({
+            let most = _mm512_max_epu32(_mm512_castps_si512(a), _mm512_castps_si512(b));
+            _mm512_cmple_epu32_mask(most, _mm512_set1_epi32(0x3f80_0000))
+        })
     }
     #[inline(always)]
     fn select(self, mask: __mmask16, yes: __m512, no: __m512) -> __m512 {
@@ -600,8 +613,13 @@ impl Lanes for Avx512 {
         assert!(!items.is_empty());
         let last = items.len() - 1;
         let from = items.as_ptr();
-        let mut moved = [0; LANES];
-        let at = on_values!(bounded(at, last, &mut moved));
+        let elsewhere;
+        let at = if on_values!(are_within(at, last)) {
+            at
+        } else {
+            elsewhere = moved(at, last);
+            &elsewhere
+        };
         // SAFETY: no place is behind the last pair.
         unsafe {
             let [both] = if self.gathers_up_to(last) {

@@ -119,6 +119,14 @@ pub(crate) trait Lanes: Copy {
 
     fn lt(self, a: Self::F, b: Self::F) -> Self::M;
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// Where both are from 0 to 1; no matter what is told of -0.
+    #[inline(always)]
+    fn are_shares(self, a: Self::F, b: Self::F) -> Self::M {
+        self.and(
+            self.le(self.splat(0.0), self.min(a, b)),
+            self.le(self.max(a, b), self.splat(1.0)),
+        )
+    }
     /// `yes` where `mask`, else `no`.
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
 

@@ -6,7 +6,7 @@ use super::field::Field;
 use super::numbers::Numbers;
 use super::rows::BLOCK;
 use super::wave::Column;
-use crate::lanes::{LANES, Lanes, group, group_mut};
+use crate::lanes::{LANES, Lanes, group, group_mut, groups};
 
 /// The mirrored cell from which on, along either axis, a cell's two numbers do not fit into one.
 const MOST_CELLS: i32 = (1 << 15) - 1;
@@ -107,16 +107,12 @@ impl Patches {
         (number as i32 & self.lane_bits) as usize + self.offset as usize
     }
 
-    /// Those of the block of neighbours that begins at a ray with a number.
+    /// Those of so many groups of neighbours that begin at a ray with a number.
     #[inline(always)]
-    pub(super) fn block(&self, number: usize) -> Block<'_> {
+    pub(super) fn groups(&self, number: usize, count: usize) -> Groups<'_> {
         let at = self.place(number);
-        // Not in chunks: to know how many of them there are takes a division.
-        let block = |number: usize| {
-            let numbers = &self.bits[number * self.apart + at..];
-            numbers.first_chunk().expect("room for a block")
-        };
-        Block(std::array::from_fn(block))
+        let of = |number: usize| groups(&self.bits[number * self.apart + at..], count);
+        Groups(std::array::from_fn(of))
     }
 
     /// Writes what a group's rays met that begins at a ray with a number.
@@ -165,14 +161,14 @@ impl Patches {
     }
 }
 
-/// What neighbours met.
-pub(super) struct Block<'a>([&'a [i32; BLOCK]; NUMBERS]);
+/// What groups of neighbours met.
+pub(super) struct Groups<'a>([&'a [[i32; LANES]]; NUMBERS]);
 
-impl Block<'_> {
-    /// That of the group that begins at lane `at`.
+impl Groups<'_> {
+    /// That of a group.
     #[inline(always)]
-    pub(super) fn load<L: Lanes>(&self, l: L, at: usize) -> Patch<L> {
-        let bits = |number: usize| l.load_i(group(self.0[number], at));
+    pub(super) fn load<L: Lanes>(&self, l: L, group: usize) -> Patch<L> {
+        let bits = |number: usize| l.load_i(&self.0[number][group]);
         Patch {
             cell: bits(0),
             corner: l.float_of_bits(bits(1)),
@@ -197,26 +193,32 @@ pub(super) struct Path<L: Lanes> {
 }
 
 impl<L: Lanes> Path<L> {
-    /// That of rays at t.
+    /// Where the lines behind cell 0 lie along the major and the minor axis.
+    #[inline(always)]
+    pub(super) fn lines(l: L, field: &Field<'_>) -> [L::F; 2] {
+        [field.major, field.minor].map(
+            #[inline(always)]
+            |axis| l.splat(1.0 - axis.fraction),
+        )
+    }
+
+    /// That of rays at t; `lines` as [`Path::lines`] has them.
     #[inline(always)]
     pub(super) fn new(
         l: L,
-        field: &Field<'_>,
+        lines: [L::F; 2],
         [advance, slope]: [L::F; 2],
         t: L::F,
         patch: &Patch<L>,
     ) -> Self {
-        let (zero, one) = (l.splat(0.0), l.splat(1.0));
+        let zero = l.splat(0.0);
         let major = l.shr_i(patch.cell, l.splat_i(16));
         let minor = l.and_i(patch.cell, l.splat_i(0x7fff));
-        let to_major = l.add(l.to_float(major), l.splat(1.0 - field.major.fraction));
-        let to_minor = l.add(l.to_float(minor), l.splat(1.0 - field.minor.fraction));
+        let to_major = l.add(l.to_float(major), lines[0]);
+        let to_minor = l.add(l.to_float(minor), lines[1]);
         let major_left = l.sub(to_major, t);
         let minor_left = l.sub(to_minor, l.mul(t, advance));
-        let is_in = l.and(
-            l.le(zero, l.min(major_left, minor_left)),
-            l.le(l.max(major_left, minor_left), one),
-        );
+        let is_in = l.are_shares(major_left, minor_left);
         // How the ground falls along the minor axis here, and along the major one.
         let falls_minor = l.add(patch.by_major, l.mul(patch.twist, major_left));
         let falls_major = l.add(patch.by_minor, l.mul(patch.twist, minor_left));
@@ -312,7 +314,13 @@ mod tests {
                 field.eye_height += 1024.0;
                 let ray = ray(slope);
                 let (_, patch) = cross(l, field, &ray, t, cells, posts);
-                let path = Path::new(l, field, [ray.advance, ray.slope], t, &patch);
+                let path = Path::new(
+                    l,
+                    Path::lines(l, field),
+                    [ray.advance, ray.slope],
+                    t,
+                    &patch,
+                );
                 field.eye_height -= 1024.0;
                 [path.fall.here[0] - 1024.0, 2.0 * path.fall.half_rate[0]]
             };
@@ -326,7 +334,13 @@ mod tests {
             let ray = ray(slope);
             let (crossing, patch) = cross(l, &field, &ray, t, cells, posts);
             let met = meet(l, t, &crossing);
-            let path = Path::new(l, &field, [ray.advance, ray.slope], t, &patch);
+            let path = Path::new(
+                l,
+                Path::lines(l, &field),
+                [ray.advance, ray.slope],
+                t,
+                &patch,
+            );
             assert!(l.bits(path.is_in) & 1 == 1, "{cell:?} at {major}");
             let (hit, further) = path.find(l, ray.advance);
             let (hit, hits_here) = (l.bits(hit) & 1 == 1, l.bits(met.hit) & 1 == 1);
@@ -371,14 +385,14 @@ mod tests {
         let number = 2 * 256 + 40;
         patches.begin(256, 100, 0.0);
         patches.store(l, number, &numbered(70));
-        let found: Patch<Portable> = patches.block(number).load(l, 0);
+        let found: Patch<Portable> = patches.groups(number, 1).load(l, 0);
         assert_eq!(found.cell, [70 << 16 | 9; LANES]);
         assert_eq!([found.corner[0], found.twist[0]], [1.0, 4.0]);
         patches.keep_cells(l, number, l.mask(0b1001));
-        let found: Patch<Portable> = patches.block(number).load(l, 0);
+        let found: Patch<Portable> = patches.groups(number, 1).load(l, 0);
         assert_eq!(found.cell[..4], [70 << 16 | 9, NONE, NONE, 70 << 16 | 9]);
         patches.forget();
-        let found: Patch<Portable> = patches.block(number).load(l, 0);
+        let found: Patch<Portable> = patches.groups(number, 1).load(l, 0);
         assert_eq!(found.cell, [NONE; LANES]);
         assert!(found.cell[0] >> 16 < 0, "before all cells");
     }
@@ -404,7 +418,7 @@ mod tests {
                 );
                 if step > 0 {
                     // Rounded twice, by half a lane each.
-                    let found: Patch<Portable> = patches.block(first - 1).load(l, 0);
+                    let found: Patch<Portable> = patches.groups(first - 1, 1).load(l, 0);
                     let names = found.cell.map(|cell| cell >> 16);
                     assert!(
                         names[..3].contains(&(step as i32 - 1)),

@@ -222,10 +222,17 @@ impl<'a> Shader<'a> {
         colours: &mut [i32],
         depths: &mut [f32],
     ) -> bool {
-        let sees_sky = l.vectorize(
-            #[inline(always)]
-            || self.locate(l, chunk, shading, depths),
-        );
+        let sees_sky = if self.asks_ahead {
+            l.vectorize(
+                #[inline(always)]
+                || self.locate::<L, true>(l, chunk, shading, depths),
+            )
+        } else {
+            l.vectorize(
+                #[inline(always)]
+                || self.locate::<L, false>(l, chunk, shading, depths),
+            )
+        };
         if let Some(photo) = &self.photo {
             l.vectorize(
                 #[inline(always)]
@@ -311,62 +318,97 @@ impl<'a> Shader<'a> {
         l.sqrt(l.add(square, l.mul(slope, slope)))
     }
 
+    /// Finds depths, and where the colours of hits are; gives whether some see the sky. Whether it `ASKS` for memory
+    /// ahead is known where it is compiled, as that needs many registers.
     #[inline(always)]
-    fn locate<L: Lanes>(
+    fn locate<L: Lanes, const ASKS: bool>(
         &self,
         l: L,
         chunk: &Chunk<'_>,
         shading: &mut Shading,
         depths: &mut [f32],
     ) -> bool {
-        let mut sees_sky = 0;
-        let infinity = l.splat(f32::INFINITY);
         let count = chunk.count.div_ceil(LANES);
-        let reached = groups(chunk.reached, count);
-        let advance = groups(chunk.advance, count);
-        let slope = groups(chunk.slope, count);
-        let depths = groups_mut(depths, count);
-        let places = groups_mut(&mut shading.at, count);
-        let east = groups_mut(&mut shading.east, count);
-        let north = groups_mut(&mut shading.north, count);
-        let sky = &mut shading.sky[..count];
-        let rest = &mut shading.rest[..count];
-        let on = &mut shading.on[..count];
-        for number in 0..count {
-            let at = number * LANES;
-            let mask = chunk.mask(at);
-            let reached = l.load(&reached[number]);
-            let advance = l.load(&advance[number]);
-            let slope = l.load(&slope[number]);
-            let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
-            let length = self.length(l, advance, slope);
-            let depth = l.select(hit, l.mul(reached, length), infinity);
-            l.store(depth, &mut depths[number]);
-            let hits = l.bits(hit);
-            sky[number] = mask & !hits;
-            sees_sky |= mask & !hits;
-            rest[number] = hits;
-            on[number] = 0;
-            if self.asks_ahead && hits != 0 {
-                self.prefetch(l, chunk, at, hit, reached, advance);
-            }
-            if let Some(photo) = &self.photo
-                && hits != 0
-            {
-                let aside = l.mul(reached, advance);
-                let advances = if self.sector.major == 0 {
-                    [reached, aside]
-                } else {
-                    [aside, reached]
-                };
-                let located = photo.locate(l, hit, advances);
-                on[number] = l.bits(located.on);
-                rest[number] = hits & !on[number];
-                l.store_i(located.at, &mut places[number]);
-                l.store(located.east, &mut east[number]);
-                l.store(located.north, &mut north[number]);
-            }
+        let mut locating = Locating {
+            reached: groups(chunk.reached, count),
+            advance: groups(chunk.advance, count),
+            slope: groups(chunk.slope, count),
+            depths: groups_mut(depths, count),
+            places: groups_mut(&mut shading.at, count),
+            east: groups_mut(&mut shading.east, count),
+            north: groups_mut(&mut shading.north, count),
+            sky: &mut shading.sky[..count],
+            rest: &mut shading.rest[..count],
+            on: &mut shading.on[..count],
+        };
+        let mut sees_sky = 0;
+        let whole = chunk.count / LANES;
+        for number in 0..whole {
+            sees_sky |= self.locate_group::<L, ASKS>(l, chunk, &mut locating, number, u16::MAX);
+        }
+        if whole < count {
+            let mask = chunk.mask(whole * LANES);
+            sees_sky |= self.locate_group::<L, ASKS>(l, chunk, &mut locating, whole, mask);
         }
         sees_sky != 0
     }
+
+    /// As `locate`, of the group with a number, of which the lanes of `mask` are there; gives those that see the sky.
+    #[inline(always)]
+    fn locate_group<L: Lanes, const ASKS: bool>(
+        &self,
+        l: L,
+        chunk: &Chunk<'_>,
+        locating: &mut Locating<'_>,
+        number: usize,
+        mask: u16,
+    ) -> u16 {
+        let reached = l.load(&locating.reached[number]);
+        let advance = l.load(&locating.advance[number]);
+        let slope = l.load(&locating.slope[number]);
+        let hit = l.and(l.mask(mask), l.le(l.splat(0.0), reached));
+        let length = self.length(l, advance, slope);
+        let depth = l.select(hit, l.mul(reached, length), l.splat(f32::INFINITY));
+        l.store(depth, &mut locating.depths[number]);
+        let hits = l.bits(hit);
+        let sky = mask & !hits;
+        locating.sky[number] = sky;
+        let mut on = 0;
+        if ASKS && hits != 0 {
+            self.prefetch(l, chunk, number * LANES, hit, reached, advance);
+        }
+        if let Some(photo) = &self.photo
+            && hits != 0
+        {
+            let aside = l.mul(reached, advance);
+            let advances = if self.sector.major == 0 {
+                [reached, aside]
+            } else {
+                [aside, reached]
+            };
+            let located = photo.locate(l, hit, advances);
+            on = l.bits(located.on);
+            l.store_i(located.at, &mut locating.places[number]);
+            l.store(located.east, &mut locating.east[number]);
+            l.store(located.north, &mut locating.north[number]);
+        }
+        locating.on[number] = on;
+        locating.rest[number] = hits & !on;
+        sky
+    }
+}
+
+/// What is known of a chunk's pixels before their colours are fetched, and where it goes, group by group.
+struct Locating<'a> {
+    reached: &'a [[f32; LANES]],
+    advance: &'a [[f32; LANES]],
+    slope: &'a [[f32; LANES]],
+    depths: &'a mut [[f32; LANES]],
+    /// As [`Shading`] has them.
+    places: &'a mut [[i32; LANES]],
+    east: &'a mut [[f32; LANES]],
+    north: &'a mut [[f32; LANES]],
+    sky: &'a mut [u16],
+    rest: &'a mut [u16],
+    on: &'a mut [u16],
 }

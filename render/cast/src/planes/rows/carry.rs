@@ -8,13 +8,17 @@ use super::predecessor::Predecessor;
 use super::scratch::{BLOCK, MARGIN, MEMORY, Scratch};
 use super::set_out::further_on;
 use crate::canvas::Canvas;
-use crate::lanes::{LANES, Lanes, group, group_mut};
+use crate::lanes::{LANES, Lanes, group, group_mut, groups_mut};
 use crate::planes::patches::Path;
 use crate::planes::wave::{CHUNK, Ray, first_lanes, same_lanes};
 use bytemuck::cast_mut;
+use glam::Vec3;
 
 /// Added to the number of a ray that has passed its predecessor's cell.
 const PASSED: i32 = 1 << 30;
+
+/// Up to where rays are clear of which no ray before tells: in no cell.
+const UNKNOWN: f32 = -2.0;
 
 /// The most rays that wait to be put on their way.
 const MOST: usize = CHUNK + LANES;
@@ -23,6 +27,10 @@ const MOST: usize = CHUNK + LANES;
 // On a page's border, as `Numbers` are.
 #[repr(align(4096))]
 pub(in crate::planes) struct Left {
+    /// Of each group of a chunk, the first ray's direction, component by component; and for how much more of the
+    /// way rays are clear than those before them came, as a [`Predecessor`] has it.
+    directions: [[f32; CHUNK / LANES]; 3],
+    further: [f32; CHUNK / LANES],
     /// Of each group of a chunk, which rays are left, and which have passed their predecessors' cells,
     /// or end in them.
     masks: [u16; CHUNK / LANES],
@@ -41,6 +49,8 @@ pub(in crate::planes) struct Left {
 impl Default for Left {
     fn default() -> Self {
         Self {
+            directions: [[0.0; CHUNK / LANES]; 3],
+            further: [0.0; CHUNK / LANES],
             masks: [0; CHUNK / LANES],
             passed: [0; CHUNK / LANES],
             len: 0,
@@ -69,28 +79,162 @@ impl<L: Lanes> March<'_, L> {
         l.vectorize(
             #[inline(always)]
             || {
-                let aim = Aim::new(l, self.frame, self.directions.lane);
-                let asked = scratch.pixels.asked(canvas, self.sector, step);
-                for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
-                    let behind = lanes[1].min(first + BLOCK as i32);
-                    for lane in (first..behind).step_by(LANES) {
-                        asked.prefetch(l, canvas, lane);
-                    }
-                    let in_chunk = (first - lanes[0]) as usize;
-                    if let Some(before) = from.block(in_chunk) {
-                        let all = [first, behind];
-                        self.carry_block(&aim, step, all, Some(before), in_chunk, scratch);
-                        continue;
-                    }
-                    for first in (first..behind).step_by(LANES) {
-                        let group = [first, behind.min(first + LANES as i32)];
-                        let in_chunk = (first - lanes[0]) as usize;
-                        let before = from.group(in_chunk);
-                        self.carry_block(&aim, step, group, before, in_chunk, scratch);
-                    }
+                self.take_over(step, lanes, from, canvas, scratch);
+                if self.begins_beside() {
+                    self.meet_patches::<true>(step, lanes, scratch);
+                } else {
+                    self.meet_patches::<false>(step, lanes, scratch);
                 }
             },
         );
+    }
+
+    /// Whether the eye lies beside the ground, so that rays come over it somewhere.
+    fn begins_beside(&self) -> bool {
+        self.bounds.iter().any(|[begin, _]| *begin > 0.0)
+    }
+
+    /// What tells a step's rays where they begin: all that differs from group to group, or from block to block, so
+    /// that they then go through one loop.
+    #[inline(always)]
+    fn take_over(
+        &self,
+        step: u32,
+        lanes: [i32; 2],
+        from: &Before,
+        canvas: &Canvas<'_>,
+        scratch: &mut Scratch,
+    ) {
+        let l = self.l;
+        let left = &mut *scratch.left;
+        let count = ((lanes[1] - lanes[0]) as usize).div_ceil(LANES);
+        let [major, minor, up] = &mut left.directions;
+        for (k, ((major, minor), up)) in (major.iter_mut().zip(minor).zip(up))
+            .enumerate()
+            .take(count)
+        {
+            let direction = self.directions.at(step, lanes[0] + (k * LANES) as i32);
+            [*major, *minor, *up] = direction.as_vec3().to_array();
+        }
+        let asked = scratch.pixels.asked(canvas, self.sector, step);
+        for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
+            let behind = lanes[1].min(first + BLOCK as i32);
+            for lane in (first..behind).step_by(LANES) {
+                asked.prefetch(l, canvas, lane);
+            }
+            let in_chunk = (first - lanes[0]) as usize;
+            if let Some(before) = from.block(in_chunk) {
+                self.take_over_from(step, [first, behind], Some(before), in_chunk, scratch);
+                continue;
+            }
+            for first in (first..behind).step_by(LANES) {
+                let group = [first, behind.min(first + LANES as i32)];
+                let in_chunk = (first - lanes[0]) as usize;
+                self.take_over_from(step, group, from.group(in_chunk), in_chunk, scratch);
+            }
+        }
+    }
+
+    /// Writes to the places of neighbours that have one predecessor, from the first to behind the last, up to where
+    /// they are clear by it, or [`UNKNOWN`]; they lie from number `in_chunk` on in their chunk.
+    #[inline(always)]
+    fn take_over_from(
+        &self,
+        step: u32,
+        [first, behind]: [i32; 2],
+        before: Option<Predecessor>,
+        in_chunk: usize,
+        scratch: &mut Scratch,
+    ) {
+        let l = self.l;
+        let at = self.slot(step) + MARGIN + first as usize;
+        let groups = (0..BLOCK).step_by(LANES);
+        let groups = groups.zip((first..behind).step_by(LANES));
+        let further = &mut scratch.left.further;
+        let unknown = l.splat(UNKNOWN);
+        let Some(before) = before else {
+            for (k, _) in groups {
+                further[(in_chunk + k) / LANES] = 0.0;
+                l.store(unknown, group_mut(&mut scratch.reached, at + k));
+            }
+            return;
+        };
+        let before_step = step - before.steps.get();
+        let before_lanes =
+            scratch.lanes[before_step as usize % MEMORY].map(|lane| lane - before.lanes);
+        let before_at = ((self.slot(before_step) + MARGIN) as i32 + first + before.lanes) as usize;
+        let [reached, reached_before] = scratch
+            .reached
+            .get_disjoint_mut([at..at + BLOCK, before_at..before_at + BLOCK])
+            .expect("steps do not share numbers");
+        let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
+        for (k, lane) in groups {
+            further[(in_chunk + k) / LANES] = before.further;
+            let mut clear = l.abs(l.load(group(reached_before, k)));
+            if !all_known {
+                let known = l.mask(same_lanes(before_lanes, lane));
+                clear = l.select(known, clear, unknown);
+            }
+            l.store(clear, group_mut(reached, k));
+        }
+    }
+
+    /// Tells rays that know from where on what they meet there, and marks the others.
+    #[inline(always)]
+    fn meet_patches<const BESIDE: bool>(
+        &self,
+        step: u32,
+        [first, behind]: [i32; 2],
+        scratch: &mut Scratch,
+    ) {
+        let l = self.l;
+        let aim = Aim::new(l, self.frame, self.directions.lane);
+        let lines = Path::lines(l, &self.fields[0]);
+        let begins = self.bounds.map(
+            #[inline(always)]
+            |[begin, _]| l.splat(begin.max(0.0)),
+        );
+        let at = self.slot(step) + MARGIN + first as usize;
+        let count = ((behind - first) as usize).div_ceil(LANES);
+        let advances = groups_mut(&mut scratch.advance[at..], count);
+        let slopes = groups_mut(&mut scratch.slope[at..], count);
+        let reached = groups_mut(&mut scratch.reached[at..], count);
+        let patches = scratch.patches.groups(at, count);
+        let left = &mut *scratch.left;
+        let directions = left.directions.each_ref().map(|of| &of[..count]);
+        let further = &left.further[..count];
+        let (passed, masks) = (&mut left.passed[..count], &mut left.masks[..count]);
+        for k in 0..count {
+            let direction = Vec3::new(directions[0][k], directions[1][k], directions[2][k]);
+            let [major, minor, up] = aim.directions(l, direction);
+            let scale = l.div(l.splat(1.0), major);
+            let (advance, slope) = (l.mul(minor, scale), l.mul(up, scale));
+            l.store(advance, &mut advances[k]);
+            l.store(slope, &mut slopes[k]);
+            let clear = l.load(&reached[k]);
+            let start = if BESIDE {
+                let inverse = l.div(major, minor);
+                let enter = l.mul(begins[1], inverse);
+                // In this order: a ray along the major axis has no number there.
+                let enter = l.max(enter, begins[0]);
+                let start = further_on(l, clear, further[k], enter, inverse);
+                l.select(l.le(l.splat(0.0), clear), start, clear)
+            } else {
+                l.mul(clear, l.splat(1.0 + further[k]))
+            };
+            let path = Path::new(l, lines, [advance, slope], start, &patches.load(l, k));
+            passed[k] = l.bits(path.is_in);
+            let (hit, further) = path.find(l, advance);
+            let hit = l.and(path.is_in, hit);
+            // What is left goes on behind the cell, if the ray is clear that far.
+            let from = l.select(path.is_in, path.line, start);
+            let t = l.select(hit, l.add(start, further), from);
+            l.store(t, &mut reached[k]);
+            masks[k] = !l.bits(hit);
+        }
+        if let Some(last) = masks.last_mut() {
+            *last &= first_lanes(behind - first - ((count - 1) * LANES) as i32);
+        }
     }
 
     /// Which of a chunk's rays `carry` told what they meet: groups, by their first ray's number, and a bit a ray.
@@ -103,93 +247,6 @@ impl<L: Lanes> March<'_, L> {
         let at = self.slot(step) + MARGIN;
         let groups = (first..behind).step_by(LANES).zip(&scratch.left.masks);
         groups.map(move |(lane, left)| (at + lane as usize, first_lanes(behind - lane) & !left))
-    }
-
-    /// As `carry`, of neighbours that have one predecessor, from the first to behind the last; they lie
-    /// from number `in_chunk` on in their chunk.
-    #[inline(always)]
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "which rays, and where they are kept"
-    )]
-    fn carry_block(
-        &self,
-        aim: &Aim<L>,
-        step: u32,
-        [first, behind]: [i32; 2],
-        before: Option<Predecessor>,
-        in_chunk: usize,
-        scratch: &mut Scratch,
-    ) {
-        let l = self.l;
-        let field = &self.fields[0];
-        let at = self.slot(step) + MARGIN + first as usize;
-        let groups = (0..BLOCK).step_by(LANES);
-        let groups = groups.zip((first..behind).step_by(LANES));
-        let advances = block_mut(&mut scratch.advance, at);
-        let slopes = block_mut(&mut scratch.slope, at);
-        let left = &mut *scratch.left;
-        let Some(before) = before else {
-            let reached = block_mut(&mut scratch.reached, at);
-            for (k, lane) in groups {
-                let aimed = aim.at(l, self.directions.at(step, lane));
-                l.store(aimed.advance, group_mut(advances, k));
-                l.store(aimed.slope, group_mut(slopes, k));
-                l.store(l.splat(-1.0), group_mut(reached, k));
-                left.masks[(in_chunk + k) / LANES] = first_lanes(behind - lane);
-                left.passed[(in_chunk + k) / LANES] = 0;
-            }
-            return;
-        };
-        let before_step = step - before.steps.get();
-        let before_lanes =
-            scratch.lanes[before_step as usize % MEMORY].map(|lane| lane - before.lanes);
-        let before_at = ((self.slot(before_step) + MARGIN) as i32 + first + before.lanes) as usize;
-        let [reached, starts] = scratch
-            .reached
-            .get_disjoint_mut([at..at + BLOCK, before_at..before_at + BLOCK])
-            .expect("steps do not share numbers");
-        let patches = scratch.patches.block(at);
-        let [major_begin, minor_begin] = self.bounds.map(|[begin, _]| begin.max(0.0));
-        let is_outside = major_begin > 0.0 || minor_begin > 0.0;
-        let direction = self.directions.at(step, first);
-        let further = before.further;
-        let all_known = before_lanes[0] <= first && behind <= before_lanes[1];
-        for (k, lane) in groups {
-            let [major, minor, up] = aim.further(l, direction, k);
-            let scale = l.div(l.splat(1.0), major);
-            let (advance, slope) = (l.mul(minor, scale), l.mul(up, scale));
-            l.store(advance, group_mut(advances, k));
-            l.store(slope, group_mut(slopes, k));
-            let start = l.abs(l.load(group(starts, k)));
-            let start = if is_outside {
-                let inverse = l.div(major, minor);
-                let enter = l.mul(l.splat(minor_begin), inverse);
-                // In this order: a ray along the major axis has no number there.
-                let enter = l.max(enter, l.splat(major_begin));
-                further_on(l, start, further, enter, inverse)
-            } else {
-                l.mul(start, l.splat(1.0 + further))
-            };
-            let patch = patches.load(l, k);
-            let path = Path::new(l, field, [advance, slope], start, &patch);
-            let known = if all_known {
-                u16::MAX
-            } else {
-                same_lanes(before_lanes, lane)
-            };
-            let start = l.select(l.mask(known), start, l.splat(-1.0));
-            let inside = l.and(l.mask(known), path.is_in);
-            left.passed[(in_chunk + k) / LANES] = l.bits(inside);
-            let (hit, further) = path.find(l, advance);
-            let hit = l.and(inside, hit);
-            // What is left goes on behind the cell, if the ray is clear that far.
-            let from = l.select(inside, path.line, start);
-            let t = l.select(hit, l.add(start, further), from);
-            l.store(t, group_mut(reached, k));
-            let all = first_lanes(behind - lane);
-            left.masks[(in_chunk + k) / LANES] = all & !l.bits(hit);
-        }
     }
 
     /// Closes up the rays that are left of a chunk.
@@ -389,10 +446,4 @@ impl Carrying {
             self.rests_until = step + REST;
         }
     }
-}
-
-/// Those of a block of neighbours.
-#[inline(always)]
-fn block_mut(numbers: &mut [f32], at: usize) -> &mut [f32; BLOCK] {
-    numbers[at..].first_chunk_mut().expect("room for a block")
 }

@@ -3,7 +3,7 @@
 use crate::lanes::{LANES, Lanes};
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The rays of a sector: directions as an affine function of step and lane. Components are cells
 /// along the major and the minor axis, both in the direction in which rays run, and metres up.
@@ -65,29 +65,9 @@ pub(super) struct Aim<L: Lanes> {
     major: L::F,
     minor: L::F,
     up: L::F,
-    /// From one group of neighbours to the next.
-    group: [f32; 3],
 }
 
 impl<L: Lanes> Aim<L> {
-    /// As [`Aim::directions`], of the group that begins `lanes` further on: the fourth of its block at
-    /// most, so that hardly a digit is lost.
-    #[inline(always)]
-    pub(super) fn further(&self, l: L, first: DVec3, lanes: usize) -> [L::F; 3] {
-        let [major, minor, up] = self.group.map(|by| l.splat(by * (lanes / LANES) as f32));
-        [
-            l.max(
-                l.add(l.splat(first.x as f32), l.add(self.major, major)),
-                self.steep,
-            ),
-            l.max(
-                l.add(l.splat(first.y as f32), l.add(self.minor, minor)),
-                l.splat(0.0),
-            ),
-            l.add(l.splat(first.z as f32), l.add(self.up, up)),
-        ]
-    }
-
     #[inline(always)]
     pub(super) fn new(l: L, frame: &Frame<'_>, lane: DVec3) -> Self {
         let iota = l.load(&std::array::from_fn(|k| k as f32));
@@ -96,25 +76,24 @@ impl<L: Lanes> Aim<L> {
             major: l.mul(l.splat(lane.x as f32), iota),
             minor: l.mul(l.splat(lane.y as f32), iota),
             up: l.mul(l.splat(lane.z as f32), iota),
-            group: (lane * LANES as f64).as_vec3().to_array(),
         }
     }
 
     /// The directions of the group of which the first has the direction `first`: along the major
     /// axis, along the minor one, and up.
     #[inline(always)]
-    pub(super) fn directions(&self, l: L, first: DVec3) -> [L::F; 3] {
+    pub(super) fn directions(&self, l: L, first: Vec3) -> [L::F; 3] {
         [
-            l.max(l.add(l.splat(first.x as f32), self.major), self.steep),
-            l.max(l.add(l.splat(first.y as f32), self.minor), l.splat(0.0)),
-            l.add(l.splat(first.z as f32), self.up),
+            l.max(l.add(l.splat(first.x), self.major), self.steep),
+            l.max(l.add(l.splat(first.y), self.minor), l.splat(0.0)),
+            l.add(l.splat(first.z), self.up),
         ]
     }
 
     /// As [`Aim::directions`], for each 1 of the major axis.
     #[inline(always)]
     pub(super) fn at(&self, l: L, first: DVec3) -> Aimed<L> {
-        let [major, minor, up] = self.directions(l, first);
+        let [major, minor, up] = self.directions(l, first.as_vec3());
         let scale = l.div(l.splat(1.0), major);
         Aimed {
             advance: l.mul(minor, scale),

@@ -72,7 +72,7 @@ impl<L: Lanes> March<'_, L> {
                 continue;
             }
             asked.prefetch(l, canvas, first);
-            let direction = aim.directions(l, self.directions.at(step, first));
+            let direction = aim.directions(l, self.directions.at(step, first).as_vec3());
             let length = shader.metres_of(l, direction);
             let plane = fan.plane(step, f64::from(first));
             let base = if CUT {
