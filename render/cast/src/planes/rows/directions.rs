@@ -1,6 +1,6 @@
 //! Where a sector's rays go.
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::planes::frame::Frame;
 use crate::planes::sectors::Sector;
 use glam::{DVec3, Vec3};
