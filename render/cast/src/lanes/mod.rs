@@ -119,7 +119,7 @@ pub(crate) trait Lanes: Copy {
 
     fn lt(self, a: Self::F, b: Self::F) -> Self::M;
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
-    /// Where both are from 0 to 1; no matter what is told of -0.
+    /// Where both are from 0 to 1; no matter what is told of -0, and of what is no number.
     #[inline(always)]
     fn are_shares(self, a: Self::F, b: Self::F) -> Self::M {
         self.and(

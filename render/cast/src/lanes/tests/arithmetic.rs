@@ -43,6 +43,18 @@ each_isa! {
         }
     }
 
+    fn shares_are_told_from_other_numbers<L>(l) {
+        let mut random = Random::new();
+        for _ in 0..GROUPS {
+            // From -1/2 to 3/2, and both ends among them.
+            let mut number = || random.lanes(Random::int).map(|of| (of & 7) as f32 * 0.25 - 0.5);
+            let (a, b) = (number(), number());
+            let is_share = |of: f32| (0.0..=1.0).contains(&of);
+            let are_shares = from_fn(|k| is_share(a[k]) && is_share(b[k]));
+            assert_same_mask(l, "are_shares", l.are_shares(l.load(&a), l.load(&b)), are_shares);
+        }
+    }
+
     fn numbers_are_compared<L>(l) {
         let mut random = Random::new();
         for _ in 0..GROUPS {
