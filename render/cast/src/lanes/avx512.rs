@@ -4,6 +4,7 @@ use super::alone::place_alone;
 use super::{LANES, Lanes, Texels};
 use sandtable_terrain::SlabView;
 use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
 
 /// The proof that the processor has AVX-512 F, BW, DQ and VL, and the instructions on bits that
 /// came before them.
@@ -108,21 +109,29 @@ fn apart([a, b]: [Pairs; 2]) -> [__m512; 2] {
     ]
 }
 
-/// Whether no place is behind `last`. One comparison for all lanes takes less time than one each.
+/// `at`, where no place in it is behind `last`, as is usual; else a copy in `elsewhere`, with those that
+/// are moved to it. One comparison for all lanes takes less time than one each.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
-fn are_within(at: &[i32; LANES], last: usize) -> bool {
+fn bounded<'a>(
+    at: &'a [i32; LANES],
+    last: usize,
+    elsewhere: &'a mut MaybeUninit<[i32; LANES]>,
+) -> &'a [i32; LANES] {
     let bound = u32::try_from(last).unwrap_or(u32::MAX);
     // SAFETY: a reference can be read.
     let places = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
-    _mm512_cmpgt_epu32_mask(places, _mm512_set1_epi32(bound as i32)) == 0
+    if _mm512_cmpgt_epu32_mask(places, _mm512_set1_epi32(bound as i32)) == 0 {
+        return at;
+    }
+    elsewhere.write(moved(at, bound))
 }
 
 /// Places, of which those behind `last` are moved to it.
 #[cold]
 #[inline(never)]
-fn moved(at: &[i32; LANES], last: usize) -> [i32; LANES] {
-    at.map(|place| (place as u32 as usize).min(last) as i32)
+fn moved(at: &[i32; LANES], last: u32) -> [i32; LANES] {
+    at.map(|place| (place as u32).min(last) as i32)
 }
 
 /// As `pairs`, at places in rows of items of `SIZE` bytes each, by the processor's own instruction.
@@ -159,13 +168,8 @@ fn rows<T>(l: Avx512, items: &SlabView<'_, T>, at: &[i32; LANES], stride: u32) -
     let last = items.len() - (stride as usize + 2);
     let south = items.as_ptr();
     let north = south.wrapping_add(stride as usize);
-    let elsewhere;
-    let at = if on_values!(are_within(at, last)) {
-        at
-    } else {
-        elsewhere = moved(at, last);
-        &elsewhere
-    };
+    let mut elsewhere = MaybeUninit::uninit();
+    let at = on_values!(bounded(at, last, &mut elsewhere));
     // SAFETY: from each place on there is a row and two items.
     unsafe {
         if l.gathers_up_to(last) {
@@ -613,13 +617,8 @@ impl Lanes for Avx512 {
         assert!(!items.is_empty());
         let last = items.len() - 1;
         let from = items.as_ptr();
-        let elsewhere;
-        let at = if on_values!(are_within(at, last)) {
-            at
-        } else {
-            elsewhere = moved(at, last);
-            &elsewhere
-        };
+        let mut elsewhere = MaybeUninit::uninit();
+        let at = on_values!(bounded(at, last, &mut elsewhere));
         // SAFETY: no place is behind the last pair.
         unsafe {
             let [both] = if self.gathers_up_to(last) {
