@@ -50,9 +50,19 @@ impl ApplicationHandler<Wake> for Shell<'_> {
         let Some(open) = self.open.as_mut() else {
             return;
         };
-        if matches!(event, WindowEvent::RedrawRequested) {
-            self.frame(events);
-            return;
+        match event {
+            WindowEvent::RedrawRequested => {
+                self.frame(events);
+                return;
+            }
+            WindowEvent::Destroyed => {
+                // Whatever else is on its way has nowhere to go, and drivers do not survive all of it.
+                self.open = None;
+                self.message("another program has destroyed the window".into());
+                events.exit();
+                return;
+            }
+            _ => {}
         }
         // Tab would move the panel's focus; here it hides the panel.
         let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }

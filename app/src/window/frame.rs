@@ -122,7 +122,7 @@ impl Shell<'_> {
             messages,
         };
         let before = self.settings.clone();
-        let input = open.egui.take_egui_input(&open.window);
+        let input = open.take_panel_input();
         let context = open.egui.egui_ctx().clone();
         let output = context.run_ui(input, |ui| {
             if let Some(guide) = &readings.guide {

@@ -5,7 +5,7 @@ use sandtable_cast::{BackgroundCaster, CastPool, PreparedScene};
 use sandtable_stage::Presenter;
 use sandtable_view::View;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use winit::dpi::LogicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window};
@@ -25,6 +25,8 @@ pub(super) struct Open {
     pub(super) uploaded: Option<u64>,
     pub(super) occluded: bool,
     pub(super) minimised: bool,
+    /// When it was opened.
+    since: Instant,
 }
 
 impl Open {
@@ -73,11 +75,26 @@ impl Open {
             uploaded: None,
             occluded: false,
             minimised: false,
+            since: Instant::now(),
         })
     }
 
     pub(super) fn is_visible(&self) -> bool {
         !self.occluded && !self.minimised && !self.presenter.size().contains(&0)
+    }
+
+    /// What happened on the panel since it was last drawn.
+    ///
+    /// The window is not asked how large it is, as [`egui_winit::State::take_egui_input`] does: where another
+    /// program has destroyed it and the event that tells so is still on its way, winit panics at that.
+    pub(super) fn take_panel_input(&mut self) -> egui::RawInput {
+        let [width, height] = self.presenter.size().map(|side| side as f32);
+        let size = egui::vec2(width, height)
+            / egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window);
+        let input = self.egui.egui_input_mut();
+        input.time = Some(self.since.elapsed().as_secs_f64());
+        input.screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size));
+        input.take()
     }
 
     /// All textures of the panel were lost: a new one uploads them again, as do the eyes' images.

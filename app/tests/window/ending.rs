@@ -6,37 +6,53 @@ use std::fs::File;
 /// What a whole MCAP file ends with.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
+/// Opens a window that records, has `end` end it, and checks that the recording is whole and told of. Gives what the
+/// program said; nothing where there can be no window. `how` names the end.
+fn leaves_a_whole_recording(how: &str, end: impl FnOnce(Session)) -> Option<String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [notes, recording] = ["notes.txt", "r.mcap"].map(|name| folder.path().join(name));
+    let device = format!("flock={}", folder.path().join("none").display());
+    let arguments = [
+        "builtin:ridges?size=65",
+        "--rig",
+        "workbench",
+        "--device",
+        &device,
+        "--size",
+        "320x200",
+        "--mute",
+        "--latency",
+        "--record",
+        recording.to_str().expect("it is UTF-8"),
+    ];
+    let file = File::create(&notes).expect("it can be written");
+    end(Session::open_noting(&arguments, file.into())?);
+    let bytes = std::fs::read(&recording).expect("it is there");
+    assert!(bytes.ends_with(MAGIC), "after {how} it has no end");
+    let said = std::fs::read_to_string(&notes).expect("it is there");
+    for part in ["latency: ", "r.mcap: ", " 0 dropped"] {
+        assert!(said.contains(part), "no {part:?} after {how}: {said}");
+    }
+    Some(said)
+}
+
 #[test]
 fn a_request_to_end_closes_the_window_and_leaves_a_whole_recording() {
     for signal in ["INT", "TERM", "HUP"] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let [notes, recording] = ["notes.txt", "r.mcap"].map(|name| folder.path().join(name));
-        let device = format!("flock={}", folder.path().join("none").display());
-        let arguments = [
-            "builtin:ridges?size=65",
-            "--rig",
-            "workbench",
-            "--device",
-            &device,
-            "--size",
-            "320x200",
-            "--mute",
-            "--latency",
-            "--record",
-            recording.to_str().expect("it is UTF-8"),
-        ];
-        let file = File::create(&notes).expect("it can be written");
-        let Some(session) = Session::open_noting(&arguments, file.into()) else {
-            return;
-        };
-        session.end_by(signal);
-        let bytes = std::fs::read(&recording).expect("it is there");
-        assert!(bytes.ends_with(MAGIC), "after {signal} it has no end");
-        let said = std::fs::read_to_string(&notes).expect("it is there");
-        for part in ["latency: ", "r.mcap: ", " 0 dropped"] {
-            assert!(said.contains(part), "no {part:?} after {signal}: {said}");
-        }
+        leaves_a_whole_recording(signal, |session| session.end_by(signal));
     }
+}
+
+#[test]
+fn a_window_that_is_destroyed_leaves_a_whole_recording() {
+    let said = leaves_a_whole_recording("its destruction", |session| {
+        // Until it has drawn something, drivers may not survive that.
+        session.shoot_until("a picture", |_| true);
+        session.xdotool(&["keydown", "w"]);
+        session.destroy();
+    });
+    let told = said.is_none_or(|said| said.contains("another program has destroyed the window"));
+    assert!(told, "nothing tells why the program ended");
 }
 
 #[test]

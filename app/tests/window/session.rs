@@ -186,6 +186,13 @@ impl Session {
         assert!(status.success(), "after {signal}: {status}");
     }
 
+    /// Has another program destroy the window and checks that the program ends well.
+    pub(crate) fn destroy(mut self) {
+        self.xdotool(&["windowclose", &self.window]);
+        let status = wait_for("the end", || self.program.ended());
+        assert!(status.success(), "{status}");
+    }
+
     /// Closes the window and checks that the program ends well.
     pub(crate) fn close(mut self) {
         self.key("Escape");
