@@ -178,25 +178,27 @@ impl Session {
     }
 
     /// Sends the program a signal by name, as `TERM`, and checks that it ends well.
-    pub(crate) fn end_by(mut self, signal: &str) {
+    pub(crate) fn end_by(self, signal: &str) {
         let kill = format!("kill -{signal} {}", self.program.0.id());
         let done = Command::new("sh").args(["-c", &kill]).status();
         assert!(done.is_ok_and(|status| status.success()), "{kill}");
-        let status = wait_for("the end", || self.program.ended());
-        assert!(status.success(), "after {signal}: {status}");
+        self.ends_well(signal);
     }
 
     /// Has another program destroy the window and checks that the program ends well.
-    pub(crate) fn destroy(mut self) {
+    pub(crate) fn destroy(self) {
         self.xdotool(&["windowclose", &self.window]);
-        let status = wait_for("the end", || self.program.ended());
-        assert!(status.success(), "{status}");
+        self.ends_well("the window's destruction");
     }
 
     /// Closes the window and checks that the program ends well.
-    pub(crate) fn close(mut self) {
+    pub(crate) fn close(self) {
         self.key("Escape");
+        self.ends_well("Escape");
+    }
+
+    fn ends_well(mut self, after: &str) {
         let status = wait_for("the end", || self.program.ended());
-        assert!(status.success(), "{status}");
+        assert!(status.success(), "after {after}: {status}");
     }
 }
