@@ -48,6 +48,7 @@ fn a_window_that_is_destroyed_leaves_a_whole_recording() {
     let said = leaves_a_whole_recording("its destruction", |session| {
         // Until it has drawn something, drivers may not survive that.
         session.shoot_until("a picture", |_| true);
+        // Frames are on their way then.
         session.xdotool(&["keydown", "w"]);
         session.destroy();
     });
