@@ -217,7 +217,7 @@ fn blend([south, north_row]: [[Pairs; 2]; 2], east: __m512, north: __m512) -> __
     _mm512_packus_epi16(eight(0), eight(1))
 }
 
-/// Sixteen lanes' weights in the order of `Pairs`, on each of their four channels.
+/// Of each quarter's four weights the two from `first` on, in the order of `Pairs`, on each of their four channels.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt")]
 #[inline]
 fn spread(weights: __m512i, first: i64) -> __m512i {
