@@ -403,9 +403,10 @@ const FEW: f32 = 0.25;
 const MANY: f32 = 0.38;
 
 /// Every how many steps it is looked at whether rays may carry on, and for how many it is not when they
-/// have ceased to do so.
+/// have ceased to do so; and in which step first: a sector may be one of many pieces.
 const LOOK: u32 = 8;
 const REST: u32 = 32;
+const SOON: u32 = 2;
 
 impl Carrying {
     /// Whether a step's rays carry on. The step before the first one that does keeps the ground that
@@ -420,7 +421,7 @@ impl Carrying {
         if let Some(from) = self.from {
             return from <= step;
         }
-        if step >= self.rests_until.max(2) && step.is_multiple_of(LOOK) {
+        if step >= self.rests_until.max(SOON) && (step == SOON || step.is_multiple_of(LOOK)) {
             let changes = march.changes(step - 1, scratch);
             if changes.all >= 8 && changes.of() < FEW {
                 let sector = march.sector;
