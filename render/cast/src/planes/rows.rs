@@ -19,7 +19,6 @@ pub(super) use survey::{begins, looks};
 
 use self::carry::{Carrying, Share};
 use self::directions::STEEP;
-use self::look_back::Before;
 use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;
 use super::coarser::Coarser;
@@ -98,7 +97,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let mut shaded = 0;
     let mut carrying = Carrying::default();
     let mut lanes_ahead = [[0; 2]; AHEAD];
-    let mut before = Before::new();
+    let mut befores = scratch.take_befores(frame, sector);
     for step in 0..sector.steps {
         if step > 0 && frame.coarsens && march.is_far(step - 1, scratch) {
             march.go_on(scratch, 0, tally);
@@ -108,6 +107,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 tally.ray();
             }
             scratch.pixels.finish(l, canvas, sector);
+            scratch.befores = befores;
             return;
         }
         // The step whose place this one takes must be done.
@@ -152,12 +152,14 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                     continue;
                 }
             }
+            let before = &mut befores[(first - lanes[0]) as usize / CHUNK];
             if !keeps_strips {
-                march.look_back(step, led, scratch, &mut before);
+                let ahead = &lanes_ahead[step as usize % AHEAD..];
+                march.look_back(step, led, ahead, scratch, before);
             }
             tally.rays(step, led[0], led[1] - led[0]);
             if carries {
-                march.carry(step, led, &before, canvas, scratch);
+                march.carry(step, led, before, canvas, scratch);
                 for (at, rays) in march.carried(step, led, scratch) {
                     tally.cells_of(at as i32, rays);
                 }
@@ -165,9 +167,9 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 left += march.send_left(led, scratch);
             } else {
                 if keeps_strips {
-                    march.set_out::<true>(step, led, &before, canvas, scratch);
+                    march.set_out::<true>(step, led, before, canvas, scratch);
                 } else {
-                    march.set_out::<false>(step, led, &before, canvas, scratch);
+                    march.set_out::<false>(step, led, before, canvas, scratch);
                 }
                 march.depart((led[1] - led[0]) as usize, scratch, tally);
             }
@@ -182,6 +184,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     march.go_on(scratch, 0, tally);
     march.shade(&shader, canvas, scratch, shaded, sector.steps);
     scratch.pixels.finish(l, canvas, sector);
+    scratch.befores = befores;
 }
 
 impl<'a, L: Lanes> March<'a, L> {

@@ -38,25 +38,30 @@ const GENTLE: f64 = 0.1;
 
 /// How much further at least neighbours are clear than those before them, whose directions differ from theirs by
 /// `to`, times how far these came: where that is, they are over all ground by as much as `room` tells. From there
-/// on they fall, and ground rises towards them.
+/// on they fall, and ground rises towards them. The neighbours lie between those of `corners`.
 #[inline(always)]
-fn further(steepest: Steep, [a, b]: [DVec3; 2], to: DVec3, room: f64) -> f64 {
-    let falls = -a.z.min(b.z);
-    let run = |d: DVec3| d.x * d.x + d.y * d.y;
-    let closes = falls + steepest.gradient * run(a).max(run(b)).sqrt();
-    let span = |d: DVec3| d.x * (d.x + to.x);
-    let span = span(a).max(span(b));
-    let further = 0.99 * room * a.x.min(b.x) / (span * closes).max(f64::MIN_POSITIVE);
-    if falls > GENTLE * steepest.gradient * a.x.max(b.x) {
+fn further<const C: usize>(steepest: Steep, corners: [DVec3; C], to: DVec3, room: f64) -> f64 {
+    let at_corners = |of: &dyn Fn(DVec3) -> f64, most: fn(f64, f64) -> f64| {
+        corners.map(of).into_iter().reduce(most).unwrap_or(0.0)
+    };
+    let falls = -at_corners(&|d| d.z, f64::min);
+    let run = at_corners(&|d| d.x * d.x + d.y * d.y, f64::max).sqrt();
+    let closes = falls + steepest.gradient * run;
+    let span = at_corners(&|d| d.x * (d.x + to.x), f64::max);
+    let [least_major, most_major] = [f64::min, f64::max].map(|most| at_corners(&|d| d.x, most));
+    let further = 0.99 * room * least_major / (span * closes).max(f64::MIN_POSITIVE);
+    if falls > GENTLE * steepest.gradient * most_major {
         further.clamp(0.0, 1.0)
     } else {
         0.0
     }
 }
 
-/// So many runs of a step's neighbours, from the first to the last of each, and how steep the ground is at most around
-/// them.
+/// So many runs of neighbours, from the first to the last of each, in a step and some behind it, and how steep the
+/// ground is at most around them.
 pub(super) struct Runs<const N: usize> {
+    /// How many steps behind that step the last one lies.
+    steps: u32,
     pub(super) first: [i32; N],
     last: [i32; N],
     aside: [f64; N],
@@ -64,10 +69,11 @@ pub(super) struct Runs<const N: usize> {
 }
 
 impl<const N: usize> Runs<N> {
-    /// Each of them by its number.
+    /// Each of them by its number, in one step.
     #[inline(always)]
     pub(super) fn new(run: impl Fn(usize) -> ([i32; 2], Steep)) -> Self {
         let mut runs = Self {
+            steps: 0,
             first: [0; N],
             last: [0; N],
             aside: [0.0; N],
@@ -79,6 +85,12 @@ impl<const N: usize> Runs<N> {
             (runs.aside[k], runs.gradient[k]) = (steep.aside, steep.gradient);
         }
         runs
+    }
+
+    /// And in so many steps behind that one.
+    #[inline(always)]
+    pub(super) fn up_to(self, steps: u32) -> Self {
+        Self { steps, ..self }
     }
 }
 
@@ -125,20 +137,30 @@ impl<L: Lanes> March<'_, L> {
     /// much lower that ground that is not steeper than it is around them cannot come between. What those rays passed
     /// over is passed over by the neighbours then.
     ///
+    /// Looked for at the `CORNERS` of the runs: the two ends of those of one step, or the four of those of several, as
+    /// what is asked there holds between them, too.
+    ///
     /// Side by side and without branches, as processors take eight numbers at once.
     #[inline(always)]
-    pub(super) fn predecessors<const N: usize>(
+    pub(super) fn predecessors<const N: usize, const CORNERS: usize>(
         &self,
         step: u32,
         runs: &Runs<N>,
         most: usize,
     ) -> Predecessors<N> {
-        let towards = self.towards(step);
+        const { assert!(CORNERS == 2 || CORNERS == 4) };
+        debug_assert!(CORNERS == 4 || runs.steps == 0);
+        let towards = self.towards(step + runs.steps / 2);
         let Directions {
             step: u, lane: v, ..
         } = self.directions;
-        let begin = self.directions.at(step, 0);
-        let ends = |k: usize| [runs.first[k], runs.last[k]].map(|lane| begin + f64::from(lane) * v);
+        let begins = [step, step + runs.steps].map(|step| self.directions.at(step, 0));
+        let corners = |k: usize| -> [DVec3; CORNERS] {
+            std::array::from_fn(|corner| {
+                let lane = [runs.first[k], runs.last[k]][corner % 2];
+                begins[corner / 2] + f64::from(lane) * v
+            })
+        };
         let to = |lanes: f64, back: f64| lanes * v - back * u;
         let higher = |end: DVec3, to: DVec3| end.z * to.x - to.z * end.x;
         // Rays that enter the ground from its side must do so no earlier.
@@ -160,7 +182,7 @@ impl<L: Lanes> March<'_, L> {
                 let mut room = f64::INFINITY;
                 // Right beside the vanishing point lines may run along steps.
                 let mut sound = lanes.abs() <= FARTHEST;
-                for end in ends(k) {
+                for end in corners(k) {
                     let aside = end.y * to.x - to.y * end.x;
                     let least = higher(end, to) - 1.001 * runs.aside[k] * aside.abs();
                     room = if least < room { least } else { room };
@@ -178,14 +200,15 @@ impl<L: Lanes> March<'_, L> {
             }
         }
         for k in 0..N {
-            let (ends, to) = (ends(k), to(found.lanes[k], found.steps[k]));
-            let [a, b] = ends.map(|end| higher(end, to) / (end.x * (end.x + to.x)));
+            let (corners, to) = (corners(k), to(found.lanes[k], found.steps[k]));
+            let [a, b] = [corners[0], corners[CORNERS - 1]]
+                .map(|end| higher(end, to) / (end.x * (end.x + to.x)));
             let steepest = Steep {
                 aside: runs.aside[k],
                 gradient: runs.gradient[k],
             };
             found.rise[k] = a.min(b);
-            found.further[k] = further(steepest, ends, to, found.room[k]);
+            found.further[k] = further(steepest, corners, to, found.room[k]);
         }
         found
     }
@@ -199,7 +222,7 @@ impl<L: Lanes> March<'_, L> {
         steepest: Steep,
     ) -> Option<Predecessor> {
         let runs = Runs::<1>::new(|_| (ends, steepest));
-        self.predecessors(step, &runs, MEMORY - 1).of(0)
+        self.predecessors::<1, 2>(step, &runs, MEMORY - 1).of(0)
     }
 
     /// Whether, up to a square's side of steps behind a step, neither the rays of a lane and of those of its
@@ -312,7 +335,9 @@ mod tests {
     use super::*;
     use crate::lanes::{Isa, Portable};
     use crate::planes::PlanesScene;
+    use crate::planes::sectors::AHEAD;
     use crate::planes::steepness::AROUND;
+    use crate::planes::wave::CHUNK;
     use crate::units::UnitCaster;
     use crate::{Brute, CastPool, Scene};
     use glam::{DMat3, DVec2};
@@ -433,7 +458,9 @@ mod tests {
         let scene = Scene::new(ground.expect("a sound grid"));
         let prepared = PlanesScene::new(Isa::best(), None, scene.clone());
         let pool = CastPool::new(2).expect("threads");
-        let (mut looked, mut steep, mut clear, mut ways) = (0, 0, 0.0, 0.0);
+        // Of groups alone, and of what is found for many at once.
+        let (mut looked, mut steep, mut clear, mut ways) = ([0; 2], [0; 2], [0.0; 2], [0.0; 2]);
+        let (mut blocks, mut regions) = (0, 0);
         for view in views().into_iter().step_by(4) {
             let image = pool.picture(&Brute, &scene, view).expect("a proper view");
             let frame = prepared.frame(&view).expect("a proper view");
@@ -447,16 +474,8 @@ mod tests {
                     let d = march.directions.at(step, lane);
                     f64::from(depth) * d.x / (d * metres).length()
                 };
-                let mut steepest = Vec::new();
-                for step in 0..sector.steps {
-                    march.look_around(step, &mut steepest);
-                    let [from, to] = sector.lanes(step);
-                    for first in (from..to).step_by(LANES) {
-                        let last = (to - 1).min(first + LANES as i32 - 1);
-                        let steepest = steepest[first as usize >> SQUARE];
-                        let Some(before) = march.any_before(step, [first, last], steepest) else {
-                            continue;
-                        };
+                let mut check =
+                    |of: usize, step: u32, [first, last]: [i32; 2], before: Predecessor| {
                         let before_step = step - before.steps.get();
                         let before_lanes = sector.lanes(before_step);
                         for lane in first..=last {
@@ -479,18 +498,48 @@ mod tests {
                                 t + further <= end + 1e-3,
                                 "{t} + {further}, {end}: {view:?}"
                             );
-                            looked += 1;
+                            looked[of] += 1;
                             if d.z < -4.0 * d.x && end.is_finite() {
-                                steep += 1;
-                                clear += further;
-                                ways += end - t;
+                                steep[of] += 1;
+                                clear[of] += further;
+                                ways[of] += end - t;
                             }
+                        }
+                    };
+                let mut scratch = Scratch::default();
+                let mut befores = scratch.take_befores(&frame, sector);
+                for step in 0..sector.steps {
+                    march.look_around(step, &mut scratch.steepest);
+                    let [from, to] = sector.lanes(step);
+                    let group = |first: i32| [first, (to - 1).min(first + LANES as i32 - 1)];
+                    for first in (from..to).step_by(LANES) {
+                        let steepest = scratch.steepest_around(first);
+                        if let Some(before) = march.any_before(step, group(first), steepest) {
+                            check(0, step, group(first), before);
+                        }
+                    }
+                    // And of the blocks of several steps.
+                    let ahead: [_; AHEAD] = sector.lanes_from(step - step % AHEAD as u32);
+                    let ahead = &ahead[step as usize % AHEAD..];
+                    let before = &mut befores[0];
+                    let chunk = [from, to.min(from + CHUNK as i32)];
+                    march.look_back(step, chunk, ahead, &scratch, before);
+                    for first in (chunk[0]..chunk[1]).step_by(LANES) {
+                        let in_chunk = (first - from) as usize;
+                        let in_block = before.block(in_chunk);
+                        blocks += usize::from(in_block.is_some());
+                        regions += usize::from(before.is_in_region(in_chunk));
+                        if let Some(before) = in_block.or(before.group(in_chunk)) {
+                            check(1, step, group(first), before);
                         }
                     }
                 }
             }
         }
-        assert!(looked > 100_000 && steep > 10_000, "{looked}, {steep}");
-        assert!(clear > 0.3 * ways, "{clear} of {ways}");
+        assert!(looked.iter().all(|&looked| looked > 100_000), "{looked:?}");
+        assert!(steep.iter().all(|&steep| steep > 10_000), "{steep:?}");
+        let shares = [0, 1].map(|of| clear[of] / ways[of]);
+        assert!(shares[0] > 0.3 && shares[1] > 0.2, "{shares:?}");
+        assert!(2 * regions > blocks, "{regions} of {blocks}");
     }
 }

@@ -1,6 +1,7 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
 use super::carry::Left;
+use super::look_back::Before;
 use super::predecessor::Steep;
 use super::sky::SkyLanes;
 use super::strips::StripsKept;
@@ -49,6 +50,8 @@ pub(in crate::planes) struct Scratch {
     pub(super) seen: Vec<[i32; 2]>,
     /// The rays of the last steps that see the sky.
     pub(super) sky: [SkyLanes; MEMORY],
+    /// For each chunk of a step, from which rays its rays begin.
+    pub(super) befores: Vec<Before>,
     /// For each chunk of the last steps, which of its lanes are led over the ground.
     led: Vec<[i32; 2]>,
     /// For each few planes that go together, the step of a fan from which on they see the sky alone.
@@ -80,6 +83,15 @@ impl Scratch {
         seen
     }
 
+    /// Takes out [`Scratch::befores`], made ready for a sector.
+    pub(super) fn take_befores(&mut self, frame: &Frame<'_>, sector: &Sector) -> Vec<Before> {
+        let mut befores = std::mem::take(&mut self.befores);
+        let width = frame.rays.size[1 - sector.step_axis] as usize;
+        befores.clear();
+        befores.resize(width.div_ceil(CHUNK), Before::new());
+        befores
+    }
+
     /// What stands for pixels that have been left of other casts: sky, and next time no number, so that
     /// tests see the difference where they are read.
     #[cfg(debug_assertions)]
@@ -103,6 +115,18 @@ impl Scratch {
     #[inline(always)]
     pub(super) fn steepest_around(&self, lane: i32) -> Steep {
         self.steepest[lane as usize >> SQUARE]
+    }
+
+    /// And around a lane of which there may be none, and up to a square more behind it.
+    #[inline(always)]
+    pub(super) fn steepest_around_more(&self, lane: i32) -> Steep {
+        let square = (lane.max(0) as usize >> SQUARE).min(self.steepest.len() - 1);
+        let next = (square + 1).min(self.steepest.len() - 1);
+        let [a, b] = [square, next].map(|square| self.steepest[square]);
+        Steep {
+            aside: a.aside.max(b.aside),
+            gradient: a.gradient.max(b.gradient),
+        }
     }
 
     /// How steep it is around lanes from the first to the last of `ends`.

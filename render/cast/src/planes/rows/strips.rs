@@ -129,7 +129,7 @@ impl<L: Lanes> March<'_, L> {
         let as_of = step.max(MEMORY as u32 - 1);
         let found = self.l.vectorize(
             #[inline(always)]
-            || self.predecessors(as_of, &runs, MEMORY - 1),
+            || self.predecessors::<LOOKS, 2>(as_of, &runs, MEMORY - 1),
         );
         if found.none() == 0 {
             return [0; 2];
