@@ -13,8 +13,8 @@ const SIDE_BY_SIDE: usize = 8;
 /// How many steps back the rays lie at most from which all of a block begin.
 const NEAR: usize = 3;
 
-/// How many lanes aside blocks of a region lie at most from each other: as many as its steepness is known for.
-const MOST_ASIDE: i32 = 1 << SQUARE;
+/// How many lanes aside blocks of a region lie at most from each other: the farther, the less holds for all of it.
+const MOST_ASIDE: i32 = BLOCK as i32 / 2;
 
 /// From which rays those of a chunk begin.
 #[derive(Clone)]
@@ -108,7 +108,7 @@ impl<L: Lanes> March<'_, L> {
     }
 
     /// Of how many steps from a step on regions may be: they have one place's steepness.
-    fn steps_alike(&self, step: u32) -> u32 {
+    pub(super) fn steps_alike(&self, step: u32) -> u32 {
         let side = 1 << SQUARE;
         let line = self.sector.image_step(step) % side;
         let left = if self.sector.direction > 0 {
@@ -160,7 +160,7 @@ impl<L: Lanes> March<'_, L> {
                         #[inline(always)]
                         |k| {
                             let lanes = lanes(left[k.min(left.len() - 1)]);
-                            (lanes, scratch.steepest_around_more(lanes[0]))
+                            (lanes, scratch.steepest_over(lanes))
                         },
                     );
                     let runs = runs.up_to(ahead.len() as u32 - 1);

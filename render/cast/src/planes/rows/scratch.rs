@@ -117,16 +117,20 @@ impl Scratch {
         self.steepest[lane as usize >> SQUARE]
     }
 
-    /// And around a lane of which there may be none, and up to a square more behind it.
+    /// How steep it is from the first to the last of `lanes`, of which there may be none at either end.
     #[inline(always)]
-    pub(super) fn steepest_around_more(&self, lane: i32) -> Steep {
-        let square = (lane.max(0) as usize >> SQUARE).min(self.steepest.len() - 1);
-        let next = (square + 1).min(self.steepest.len() - 1);
-        let [a, b] = [square, next].map(|square| self.steepest[square]);
-        Steep {
-            aside: a.aside.max(b.aside),
-            gradient: a.gradient.max(b.gradient),
-        }
+    pub(super) fn steepest_over(&self, lanes: [i32; 2]) -> Steep {
+        let squares = lanes.map(|lane| lane.max(0) as usize >> SQUARE);
+        let [first, last] = squares.map(|square| square.min(self.steepest.len() - 1));
+        // Each number holds for two more squares.
+        let others = first + 1..(last + 1).saturating_sub(2);
+        others.fold(self.steepest[first], |most, other| {
+            let other = self.steepest[other];
+            Steep {
+                aside: most.aside.max(other.aside),
+                gradient: most.gradient.max(other.gradient),
+            }
+        })
     }
 
     /// How steep it is around lanes from the first to the last of `ends`.
@@ -187,3 +191,37 @@ pub(super) const MARGIN: usize = 2 * LANES;
 
 /// How many lanes aside a ray's predecessor lies at most: so few that there is room.
 pub(super) const FARTHEST: f64 = MARGIN as f64 - LANES as f64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_steepest_over_lanes_is_as_steep_as_each_of_their_squares() {
+        const SQUARES: usize = 12;
+        let own: [f64; SQUARES] = std::array::from_fn(|square| (7 * square % SQUARES) as f64);
+        let steepest = (0..SQUARES).map(|first| {
+            let three = &own[first..SQUARES.min(first + 3)];
+            let most = three.iter().copied().fold(0.0, f64::max);
+            Steep {
+                aside: most,
+                gradient: 2.0 * most,
+            }
+        });
+        let scratch = Scratch {
+            steepest: steepest.collect(),
+            ..Scratch::default()
+        };
+        let lanes = (SQUARES << SQUARE) as i32;
+        for first in -40..lanes {
+            for length in [1, 63, 64, 96, 97, 130, 200] {
+                let squares = [first, first + length - 1].map(|lane| lane.clamp(0, lanes - 1));
+                let [from, to] = squares.map(|lane| lane as usize >> SQUARE);
+                let most = own[from..=to].iter().copied().fold(0.0, f64::max);
+                let found = scratch.steepest_over([first, first + length - 1]);
+                assert!(found.aside >= most, "{length} from {first}");
+                assert_eq!(found.gradient, 2.0 * found.aside);
+            }
+        }
+    }
+}
