@@ -41,15 +41,19 @@ const GENTLE: f64 = 0.1;
 /// on they fall, and ground rises towards them. The neighbours lie between those of `corners`.
 #[inline(always)]
 fn further<const C: usize>(steepest: Steep, corners: [DVec3; C], to: DVec3, room: f64) -> f64 {
-    let at_corners = |of: &dyn Fn(DVec3) -> f64, most: fn(f64, f64) -> f64| {
-        corners.map(of).into_iter().reduce(most).unwrap_or(0.0)
+    let numbers = |d: DVec3| {
+        let square = d.x * d.x + d.y * d.y;
+        [-d.z, square, d.x * (d.x + to.x), d.x, -d.x]
     };
-    let falls = -at_corners(&|d| d.z, f64::min);
-    let run = at_corners(&|d| d.x * d.x + d.y * d.y, f64::max).sqrt();
-    let closes = falls + steepest.gradient * run;
-    let span = at_corners(&|d| d.x * (d.x + to.x), f64::max);
-    let [least_major, most_major] = [f64::min, f64::max].map(|most| at_corners(&|d| d.x, most));
-    let further = 0.99 * room * least_major / (span * closes).max(f64::MIN_POSITIVE);
+    let mut most = numbers(corners[0]);
+    for corner in &corners[1..] {
+        for (most, number) in most.iter_mut().zip(numbers(*corner)) {
+            *most = most.max(number);
+        }
+    }
+    let [falls, square, span, most_major, minus_least_major] = most;
+    let closes = falls + steepest.gradient * square.sqrt();
+    let further = 0.99 * room * -minus_least_major / (span * closes).max(f64::MIN_POSITIVE);
     if falls > GENTLE * steepest.gradient * most_major {
         further.clamp(0.0, 1.0)
     } else {
