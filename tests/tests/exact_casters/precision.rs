@@ -4,6 +4,7 @@ use super::verdict_of;
 use glam::{DVec2, DVec3};
 use sandtable_cast::Scene;
 use sandtable_terrain::Ground;
+use sandtable_tests::Random;
 use sandtable_view::{Attitude, Camera, Screen, View};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -231,5 +232,37 @@ fn rays_almost_along_a_wall_meet_it_where_they_come_to_it() {
         .view([161, 121]);
         let verdict = verdict_of(&scene, view);
         assert_eq!(verdict.wrong(), 0, "{k}, {out} beside it: {verdict}");
+    }
+}
+
+/// Eyes right over the ground's border, of whose pixels one diagonal looks along it, on either side by no more than
+/// rounding: an eye that is taken to be a little beside it sees the wall there, somewhere.
+#[test]
+fn eyes_over_the_border_see_along_it_what_brute_force_sees() {
+    let mut random = Random::new(9);
+    for k in 0..64 {
+        let spacing = DVec2::splat(random.octaves(0.05, 0.2));
+        let rough = |col: u32, row: u32| 0.02 * ((col * 37 + row * 91) % 23) as f32;
+        let ground = Ground::from_fn(106, 75, spacing, rough).expect("a sound grid");
+        let extent = ground.grid().extent();
+        let along = random.between(0.2, 0.8) * extent;
+        let at = [
+            DVec2::new(extent.x, along.y),
+            DVec2::new(along.x, extent.y),
+            DVec2::new(0.0, along.y),
+            DVec2::new(along.x, 0.0),
+        ][k % 4];
+        let view = Camera {
+            eye: at.extend(0.46 + random.octaves(0.5, 20.0) * spacing.x),
+            attitude: Attitude {
+                yaw: FRAC_PI_4 + FRAC_PI_2 * (k / 4) as f64,
+                pitch: -FRAC_PI_2,
+                roll: 0.0,
+            },
+            horizontal_fov: random.between(0.5, 2.0),
+        }
+        .view([96, 96]);
+        let verdict = verdict_of(&Scene::new(ground), view);
+        assert_eq!(verdict.wrong(), 0, "{k}, {at} over {spacing}: {verdict}");
     }
 }

@@ -45,7 +45,8 @@ use crate::options::{CasterOption, Options};
 use crate::tally::{Tally, Uncounted};
 use crate::units::UnitCaster;
 use crate::{CastError, Caster, PreparedScene, Scene};
-use sandtable_terrain::{Ground, TileIndex};
+use glam::DVec3;
+use sandtable_terrain::{Grid, Ground, TileIndex};
 use sandtable_view::View;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -213,7 +214,7 @@ impl UnitCaster for PlanesScene {
         let coarsens = coarser.is_some();
         let ground = over(coarser);
         let rays = rays_over(ground);
-        let eye = view.eye * per_metre(ground);
+        let eye = in_cells(&ground.grid(), view.eye);
         let levels = match coarser {
             Some(detail) => detail.levels(own_level),
             None => vec![own_level],
@@ -282,6 +283,23 @@ impl UnitCaster for PlanesScene {
             }
         });
     }
+}
+
+/// A place in cells along the ground's axes, and in metres up. One right over the border is so in cells, too, however
+/// lengths are rounded: a ray along the border that begins a little beside it may meet the ground's side anywhere.
+fn in_cells(grid: &Grid, place: DVec3) -> DVec3 {
+    let axis = |axis: usize, posts: u32| {
+        let cells = f64::from(posts - 1);
+        let [from_first, to_last] = [place[axis], grid.extent()[axis] - place[axis]]
+            .map(|metres| metres / grid.spacing[axis]);
+        // Lengths are told best from the nearer end.
+        if to_last < from_first {
+            cells - to_last
+        } else {
+            from_first
+        }
+    };
+    DVec3::new(axis(0, grid.cols), axis(1, grid.rows), place.z)
 }
 
 #[cfg(test)]
