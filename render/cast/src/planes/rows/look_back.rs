@@ -141,7 +141,9 @@ impl<L: Lanes> March<'_, L> {
         if count == 0 {
             return;
         }
-        let ahead = &ahead[..ahead.len().min(self.steps_alike(step) as usize)];
+        // A sector's first step has none before it.
+        let steps = if step == 0 { 1 } else { self.steps_alike(step) };
+        let ahead = &ahead[..ahead.len().min(steps as usize)];
         // Blocks go along with the first lanes of their steps.
         let aside = ahead.iter().map(|[from, _]| from - ahead[0][0]);
         let [least, most] = aside.fold([0; 2], |[least, most], aside| {
