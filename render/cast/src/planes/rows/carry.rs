@@ -343,6 +343,11 @@ impl<L: Lanes> March<'_, L> {
         const LOOKS: i32 = 32;
         let [from, to] = scratch.lanes[step as usize % MEMORY];
         let [from_before, to_before] = scratch.lanes[(step - 1) as usize % MEMORY];
+        let mut changes = Share::default();
+        if from >= to {
+            // There lies what is left of other casts.
+            return changes;
+        }
         let towards = self.towards(step);
         let field = &self.fields[0];
         let cell = |step: u32, lane: i32| {
@@ -352,7 +357,6 @@ impl<L: Lanes> March<'_, L> {
             let [major, minor] = [field.major.fraction, field.minor.fraction];
             (t >= 0.0).then_some([(t + major) as i32, (aside + minor) as i32])
         };
-        let mut changes = Share::default();
         for k in 0..LOOKS {
             let lane = from + (to - from) * (2 * k + 1) / (2 * LOOKS);
             let aside = (towards[0] + f64::from(lane) * towards[1]).round() as i32;
@@ -446,5 +450,45 @@ impl Carrying {
             self.from = None;
             self.rests_until = step + REST;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::lanes::{Isa, Portable};
+    use crate::planes::PlanesScene;
+    use crate::units::UnitCaster;
+    use glam::{DVec2, DVec3};
+    use sandtable_terrain::Ground;
+    use sandtable_view::{Attitude, Camera};
+
+    /// Whatever other casts have left where a step has no rays.
+    #[test]
+    fn a_step_without_rays_changes_no_cells() {
+        let ground = Ground::from_fn(64, 64, DVec2::ONE, |_, _| 0.0).expect("a sound grid");
+        let scene = PlanesScene::new(Isa::best(), None, Scene::new(ground));
+        let camera = Camera {
+            eye: DVec3::new(30.0, 31.0, 20.0),
+            attitude: Attitude::default(),
+            horizontal_fov: 1.0,
+        };
+        let view = camera.view([160, 120]);
+        let frame = scene.frame(&view).expect("a proper view");
+        let sector = &frame.sectors[0];
+        let mut scratch = Scratch::default();
+        let room = 1024;
+        let march = March::new(Portable, &frame, sector, room);
+        scratch.reached.grow(MEMORY * room);
+        scratch.advance.grow(MEMORY * room);
+        scratch.reached.fill(1.5);
+        let step = 9;
+        let first = sector.lanes(step)[0];
+        scratch.lanes = [[first, first + 40]; MEMORY];
+        let changes = march.changes(step, &scratch);
+        assert!(changes.all > 0 && changes.part == 0);
+        scratch.lanes[step as usize % MEMORY] = [first; 2];
+        assert_eq!(march.changes(step, &scratch).all, 0);
     }
 }
