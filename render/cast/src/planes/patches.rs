@@ -5,6 +5,7 @@ use super::fall::Fall;
 use super::field::Field;
 use super::numbers::Numbers;
 use super::rows::BLOCK;
+use super::strips::{Line, Way};
 use super::wave::Column;
 use crate::lanes::{LANES, Lanes, group, group_mut, groups};
 
@@ -185,6 +186,9 @@ pub(super) struct Path<L: Lanes> {
     pub(super) is_in: L::M,
     /// How far the line behind it lies along the axis that it crosses; negative along the minor one.
     pub(super) line: L::F,
+    /// How far the lines behind it lie.
+    to_major: L::F,
+    to_minor: L::F,
     /// What is left of the cell.
     major_left: L::F,
     minor_left: L::F,
@@ -236,6 +240,8 @@ impl<L: Lanes> Path<L> {
         Self {
             is_in,
             line: l.select(crosses_major, to_major, l.sub(zero, to_minor)),
+            to_major,
+            to_minor,
             major_left,
             minor_left,
             fall: Fall {
@@ -256,6 +262,32 @@ impl<L: Lanes> Path<L> {
         let in_minor = l.le(l.mul(further, advance), self.minor_left);
         (l.and(in_major, in_minor), further)
     }
+
+    /// Beside which rays, on their way through the cell from t on, ground inside their narrow strips rises over them: as
+    /// [`Strips::rises`](super::strips::Strips::rises) finds it. `slants` and `width` as a [`Way`] has them.
+    #[inline(always)]
+    pub(super) fn rises_beside(
+        &self,
+        l: L,
+        slants: [L::F; 3],
+        t: L::F,
+        width: f32,
+        patch: &Patch<L>,
+    ) -> L::M {
+        let [_, inverse, _] = slants;
+        let next = l.min(self.to_major, l.mul(self.to_minor, inverse));
+        let way = Way {
+            slants,
+            ends: [t, l.max(next, t)],
+            to_major: self.to_major,
+            width,
+        };
+        let away = l.sub(self.to_minor, l.splat(1.0));
+        l.and(
+            self.is_in,
+            way.passes_under(l, &Line::before(l, patch, away)),
+        )
+    }
 }
 
 #[cfg(test)]
@@ -266,12 +298,13 @@ mod tests {
     use crate::planes::frame::Level;
     use crate::planes::roofs::Roofs;
     use crate::planes::steepness::Steepness;
+    use crate::planes::strips::{NARROW, StripWidths, Strips};
     use crate::planes::walk::{Passage, cross, fetch, meet, place};
     use crate::planes::wave::{CAPACITY, Ray};
     use glam::DVec2;
     use sandtable_terrain::Ground;
 
-    /// Through cells of rough ground, with known patches and as all rays go.
+    /// Through cells of rough ground, with known patches and as all rays go; and what rises beside them.
     #[test]
     fn patches_tell_what_their_cells_do() {
         let l = Portable;
@@ -281,7 +314,7 @@ mod tests {
         let steepness = Steepness::new(ground.heights());
         let level = Level::new(ground.heights(), &roofs, &steepness);
         let mut passage = Box::new(Passage::default());
-        let (mut hits, mut passes, mut bends) = (0, 0, 0);
+        let (mut hits, mut passes, mut bends, mut rises) = (0, 0, 0, 0);
         for k in 0..20_000_u32 {
             let share = |by: f64| (f64::from(k) * by).fract();
             let sign = |by: f64| if share(by) < 0.5 { 1 } else { -1 };
@@ -342,6 +375,20 @@ mod tests {
                 &patch,
             );
             assert!(l.bits(path.is_in) & 1 == 1, "{cell:?} at {major}");
+            let width = (share(0.319) / f64::from(major.max(1.0))) as f32;
+            let strips = Strips {
+                widths: StripWidths {
+                    by_t: width,
+                    most: NARROW,
+                },
+                clear: &mut [],
+            };
+            let one = l.mask(1);
+            let expected = strips.rises(l, &field, one, &ray, t, cells, &crossing, &patch);
+            let slants = [ray.advance, ray.inverse, ray.slope];
+            let found = l.and(one, path.rises_beside(l, slants, t, width, &patch));
+            assert_eq!(l.bits(found), l.bits(expected), "{k}");
+            rises += l.bits(expected);
             let (hit, further) = path.find(l, ray.advance);
             let (hit, hits_here) = (l.bits(hit) & 1 == 1, l.bits(met.hit) & 1 == 1);
             if hit != hits_here {
@@ -376,6 +423,7 @@ mod tests {
         }
         assert!(hits > 4000 && passes > 2000, "{hits} {passes}");
         assert!(bends > 20, "{bends} come out of the ground again");
+        assert!(rises > 1000, "{rises} have ground rise beside them");
     }
 
     #[test]

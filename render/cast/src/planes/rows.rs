@@ -128,10 +128,12 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             march.look_at_strips(step, scratch);
         }
         let keeps_strips = scratch.strips.are_kept();
-        if keeps_strips {
+        if scratch.strips.begin_in(step) {
+            // No rays have kept theirs yet, between which this step's might begin.
             carrying = Carrying::default();
         }
-        let carries = can_carry && !keeps_strips && carrying.begin(&march, step, scratch);
+        let may_carry = can_carry && !scratch.strips.are_wide();
+        let carries = may_carry && carrying.begin(&march, step, scratch);
         scratch.patches.set_step(step);
         let mut left = Share::default();
         for first in (lanes[0]..lanes[1]).step_by(CHUNK) {
@@ -386,12 +388,11 @@ impl<'a, L: Lanes> March<'a, L> {
     /// Leads a chunk's rays that set out side by side on their first way.
     fn depart<T: Tally>(&self, count: usize, scratch: &mut Scratch, tally: &mut T) {
         // Only where they are of use, rays keep what ground they meet.
-        if scratch.strips.are_kept() {
-            self.lead::<false, true>(count, scratch);
-        } else if scratch.keeps_patches {
-            self.lead::<true, false>(count, scratch);
-        } else {
-            self.lead::<false, false>(count, scratch);
+        match [scratch.keeps_patches, scratch.strips.are_kept()] {
+            [false, false] => self.lead::<false, false>(count, scratch),
+            [true, false] => self.lead::<true, false>(count, scratch),
+            [false, true] => self.lead::<false, true>(count, scratch),
+            [true, true] => self.lead::<true, true>(count, scratch),
         }
         for (at, led) in scratch.departure.led(count) {
             for rays in led {
@@ -448,12 +449,11 @@ impl<'a, L: Lanes> March<'a, L> {
                     widths,
                     clear: &mut scratch.clear,
                 };
-                let walk = if keeps_strips {
-                    walk::<L, false, true>
-                } else if scratch.keeps_patches {
-                    walk::<L, true, false>
-                } else {
-                    walk::<L, false, false>
+                let walk = match [scratch.keeps_patches, keeps_strips] {
+                    [false, false] => walk::<L, false, false>,
+                    [true, false] => walk::<L, true, false>,
+                    [false, true] => walk::<L, false, true>,
+                    [true, true] => walk::<L, true, true>,
                 };
                 walk(
                     l, field, low, high, passage, reached, patches, strips, coarser,

@@ -20,6 +20,12 @@ pub(super) struct StripWidths {
 }
 
 impl StripWidths {
+    /// Up to which t they are looked at.
+    #[inline(always)]
+    pub(super) fn farthest(&self) -> f32 {
+        self.most / self.by_t
+    }
+
     /// Of rays of `mask`, on their way from one t to another, those whose strips are looked at though they come to
     /// be wider than a cell.
     #[inline(always)]
@@ -63,19 +69,14 @@ impl Strips<'_> {
         crossing: &Crossing<L>,
         patch: &Patch<L>,
     ) -> L::M {
-        let to_major = l.add(l.to_float(major), l.splat(1.0 - field.major.fraction));
         let way = Way {
-            ray,
+            slants: [ray.advance, ray.inverse, ray.slope],
             ends: [t, crossing.next],
-            to_major,
+            to_major: l.add(l.to_float(major), l.splat(1.0 - field.major.fraction)),
             width: self.widths.by_t,
         };
-        let line = Line {
-            far_end: l.add(patch.corner, patch.by_major),
-            fall: l.add(patch.by_minor, patch.twist),
-            away: l.sub(l.to_float(minor), l.splat(field.minor.fraction)),
-        };
-        let rises = way.passes_under(l, &line);
+        let away = l.sub(l.to_float(minor), l.splat(field.minor.fraction));
+        let rises = way.passes_under(l, &Line::before(l, patch, away));
         let may_be_wide = self.widths.most > NARROW;
         if !may_be_wide || l.bits(self.widths.are_wide(l, mask, way.ends)) == 0 {
             return l.and(mask, rises);
@@ -133,18 +134,19 @@ impl Strips<'_> {
 }
 
 /// Rays' way through a cell.
-struct Way<'a, L: Lanes> {
-    ray: &'a Ray<L>,
+pub(super) struct Way<L: Lanes> {
+    /// Their advance, inverse and slope, as a [`Ray`] has them.
+    pub(super) slants: [L::F; 3],
     /// The t before and behind it.
-    ends: [L::F; 2],
+    pub(super) ends: [L::F; 2],
     /// How far the line across the major axis behind the cell is from the eye.
-    to_major: L::F,
+    pub(super) to_major: L::F,
     /// Of strips, as [`StripWidths`] has it.
-    width: f32,
+    pub(super) width: f32,
 }
 
 /// A grid line along the major axis, beside a cell.
-struct Line<L: Lanes> {
+pub(super) struct Line<L: Lanes> {
     /// Metres over the eye where it meets the line behind the cell, and how much higher it is a cell before.
     far_end: L::F,
     fall: L::F,
@@ -152,28 +154,40 @@ struct Line<L: Lanes> {
     away: L::F,
 }
 
-impl<L: Lanes> Way<'_, L> {
+impl<L: Lanes> Line<L> {
+    /// The one that rays come over into a cell with a known ground, so many cells `away`.
+    #[inline(always)]
+    pub(super) fn before(l: L, patch: &Patch<L>, away: L::F) -> Self {
+        Self {
+            far_end: l.add(patch.corner, patch.by_major),
+            fall: l.add(patch.by_minor, patch.twist),
+            away,
+        }
+    }
+}
+
+impl<L: Lanes> Way<L> {
     /// Where a line that rays have behind them is higher than they are while it lies in their strips.
     #[inline(always)]
-    fn passes_under(&self, l: L, line: &Line<L>) -> L::M {
+    pub(super) fn passes_under(&self, l: L, line: &Line<L>) -> L::M {
         let Self {
-            ray,
+            slants: [advance, inverse, slope],
             ends: [t, next],
             ..
         } = *self;
         let over = |t: L::F| {
             let height = l.add(line.far_end, l.mul(line.fall, l.sub(self.to_major, t)));
-            l.sub(l.mul(t, ray.slope), height)
+            l.sub(l.mul(t, slope), height)
         };
         // The ray comes over the line at `from`, and all of its strip at `to`: 1 / (1 − share) is no more than
         // 1 + share + 2 share² up to a half.
-        let share = l.mul(l.splat(self.width), ray.inverse);
-        let from = l.mul(line.away, ray.inverse);
+        let share = l.mul(l.splat(self.width), inverse);
+        let from = l.mul(line.away, inverse);
         let more = l.add(share, l.mul(l.add(share, share), share));
         let to = l.min(next, l.add(from, l.mul(from, more)));
         let to = l.select(l.lt(share, l.splat(0.5)), to, next);
         let least = l.min(over(t), over(to));
-        let advance = l.sub(ray.advance, l.splat(self.width));
+        let advance = l.sub(advance, l.splat(self.width));
         let side = l.min(l.mul(t, advance), l.mul(next, advance));
         l.and(l.lt(side, line.away), l.lt(least, l.splat(0.0)))
     }

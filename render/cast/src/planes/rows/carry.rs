@@ -18,7 +18,7 @@ use glam::Vec3;
 const PASSED: i32 = 1 << 30;
 
 /// Up to where rays are clear of which no ray before tells: in no cell.
-const UNKNOWN: f32 = -2.0;
+pub(super) const UNKNOWN: f32 = -2.0;
 
 /// The most rays that wait to be put on their way.
 const MOST: usize = CHUNK + LANES;
@@ -79,11 +79,20 @@ impl<L: Lanes> March<'_, L> {
         l.vectorize(
             #[inline(always)]
             || {
-                self.take_over(step, lanes, from, canvas, scratch);
-                if self.begins_beside() {
-                    self.meet_patches::<true>(step, lanes, scratch);
+                self.aim_groups(step, lanes, scratch);
+                let keeps_strips = scratch.strips.are_kept();
+                if keeps_strips {
+                    self.ask_for_pixels(step, lanes, canvas, scratch);
+                    self.take_over_between(step, lanes, scratch);
+                    scratch.left.further.fill(0.0);
                 } else {
-                    self.meet_patches::<false>(step, lanes, scratch);
+                    self.take_over(step, lanes, from, canvas, scratch);
+                }
+                match [self.begins_beside(), keeps_strips] {
+                    [false, false] => self.meet_patches::<false, false>(step, lanes, scratch),
+                    [true, false] => self.meet_patches::<true, false>(step, lanes, scratch),
+                    [false, true] => self.meet_patches::<false, true>(step, lanes, scratch),
+                    [true, true] => self.meet_patches::<true, true>(step, lanes, scratch),
                 }
             },
         );
@@ -92,6 +101,21 @@ impl<L: Lanes> March<'_, L> {
     /// Whether the eye lies beside the ground, so that rays come over it somewhere.
     fn begins_beside(&self) -> bool {
         self.bounds.iter().any(|[begin, _]| *begin > 0.0)
+    }
+
+    /// Finds the directions of the first rays of groups.
+    #[inline(always)]
+    fn aim_groups(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
+        let left = &mut *scratch.left;
+        let count = ((lanes[1] - lanes[0]) as usize).div_ceil(LANES);
+        let [major, minor, up] = &mut left.directions;
+        for (k, ((major, minor), up)) in (major.iter_mut().zip(minor).zip(up))
+            .enumerate()
+            .take(count)
+        {
+            let direction = self.directions.at(step, lanes[0] + (k * LANES) as i32);
+            [*major, *minor, *up] = direction.as_vec3().to_array();
+        }
     }
 
     /// What tells a step's rays where they begin: all that differs from group to group, or from block to block, so
@@ -106,16 +130,6 @@ impl<L: Lanes> March<'_, L> {
         scratch: &mut Scratch,
     ) {
         let l = self.l;
-        let left = &mut *scratch.left;
-        let count = ((lanes[1] - lanes[0]) as usize).div_ceil(LANES);
-        let [major, minor, up] = &mut left.directions;
-        for (k, ((major, minor), up)) in (major.iter_mut().zip(minor).zip(up))
-            .enumerate()
-            .take(count)
-        {
-            let direction = self.directions.at(step, lanes[0] + (k * LANES) as i32);
-            [*major, *minor, *up] = direction.as_vec3().to_array();
-        }
         let asked = scratch.pixels.asked(canvas, self.sector, step);
         for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
             let behind = lanes[1].min(first + BLOCK as i32);
@@ -179,9 +193,10 @@ impl<L: Lanes> March<'_, L> {
         }
     }
 
-    /// Tells rays that know from where on what they meet there, and marks the others.
+    /// Tells rays that know from where on what they meet there, and marks the others. Where rays keep `STRIPS`, it is
+    /// noted where ground beside them rises over them.
     #[inline(always)]
-    fn meet_patches<const BESIDE: bool>(
+    fn meet_patches<const BESIDE: bool, const STRIPS: bool>(
         &self,
         step: u32,
         [first, behind]: [i32; 2],
@@ -194,8 +209,10 @@ impl<L: Lanes> March<'_, L> {
             #[inline(always)]
             |[begin, _]| l.splat(begin.max(0.0)),
         );
+        let width = scratch.strips.widths().by_t;
         let at = self.slot(step) + MARGIN + first as usize;
         let count = ((behind - first) as usize).div_ceil(LANES);
+        let clear_inside = groups_mut(&mut scratch.clear[at..], count);
         let advances = groups_mut(&mut scratch.advance[at..], count);
         let slopes = groups_mut(&mut scratch.slope[at..], count);
         let reached = groups_mut(&mut scratch.reached[at..], count);
@@ -211,9 +228,13 @@ impl<L: Lanes> March<'_, L> {
             let (advance, slope) = (l.mul(minor, scale), l.mul(up, scale));
             l.store(advance, &mut advances[k]);
             l.store(slope, &mut slopes[k]);
+            let inverse = if BESIDE || STRIPS {
+                l.div(major, minor)
+            } else {
+                scale
+            };
             let clear = l.load(&reached[k]);
             let start = if BESIDE {
-                let inverse = l.div(major, minor);
                 let enter = l.mul(begins[1], inverse);
                 // In this order: a ray along the major axis has no number there.
                 let enter = l.max(enter, begins[0]);
@@ -222,7 +243,13 @@ impl<L: Lanes> March<'_, L> {
             } else {
                 l.mul(clear, l.splat(1.0 + further[k]))
             };
-            let path = Path::new(l, lines, [advance, slope], start, &patches.load(l, k));
+            let patch = patches.load(l, k);
+            let path = Path::new(l, lines, [advance, slope], start, &patch);
+            if STRIPS {
+                let slants = [advance, inverse, slope];
+                let rises = path.rises_beside(l, slants, start, width, &patch);
+                l.store_where(rises, start, &mut clear_inside[k]);
+            }
             passed[k] = l.bits(path.is_in);
             let (hit, further) = path.find(l, advance);
             let hit = l.and(path.is_in, hit);

@@ -5,11 +5,12 @@
 //! which they have looked at on their way.
 
 use super::March;
+use super::carry::UNKNOWN;
 use super::directions::Directions;
 use super::predecessor::Runs;
-use super::scratch::{FARTHEST, MARGIN, MEMORY, Scratch};
+use super::scratch::{BLOCK, FARTHEST, MARGIN, MEMORY, Scratch};
 use super::set_out::{Begin, Stay, VERY_HIGH};
-use crate::lanes::{LANES, Lanes, group};
+use crate::lanes::{LANES, Lanes, group, group_mut};
 use crate::planes::strips::{NARROW, StripWidths, WIDE};
 use crate::planes::wave::{Ray, same_lanes};
 
@@ -62,6 +63,17 @@ impl StripsKept {
         self.from.is_some()
     }
 
+    /// Whether rays that keep them may take patches over: only where they are narrow is all that lies in them known
+    /// with a cell.
+    pub(super) fn are_wide(&self) -> bool {
+        self.are_kept() && self.are_wide
+    }
+
+    /// Whether it is in this step that rays begin to keep them.
+    pub(super) fn begin_in(&self, step: u32) -> bool {
+        self.from == Some(step)
+    }
+
     /// How wide strips of the last steps are at most.
     pub(super) fn widths(&self) -> StripWidths {
         StripWidths {
@@ -100,6 +112,7 @@ impl<L: Lanes> March<'_, L> {
                 // What is inside strips that have come to be wide has not been looked at so far.
                 kept.are_wide = true;
                 kept.from = Some(step);
+                scratch.keeps_patches = false;
             }
         }
         if width.is_infinite() {
@@ -226,29 +239,69 @@ impl<L: Lanes> March<'_, L> {
     ) -> Option<Begin<L>> {
         let l = self.l;
         let enclosing = self.enclosing(step, towards, ends, scratch)?;
-        let before = step - enclosing.steps as u32;
-        let lanes = scratch.lanes[before as usize % MEMORY];
-        let [from, to] = enclosing.lanes;
-        let known = same_lanes(lanes, ends[0] + from) & same_lanes(lanes, ends[0] + to);
-        let mut clear = l.splat(f32::INFINITY);
-        for aside in from..=to {
-            let at = (self.slot(before) + MARGIN) as i32 + ends[0] + aside;
-            let reached = l.load(group(&scratch.reached, at as usize));
-            let inside = l.load(group(&scratch.clear, at as usize));
-            clear = l.min(clear, l.min(l.abs(reached), inside));
-        }
+        let (known, clear) = self.clear_between(step, &enclosing, ends[0], scratch);
         // Where strips become too wide rays may still be high, as where they come over the ground.
-        let StripWidths { by_t, most } = scratch.strips.widths();
-        let widest = l.splat(most / by_t);
+        let widest = l.splat(scratch.strips.widths().farthest());
         let fresh = self.fresh_start(ray, stay);
         let follows = l.and(l.lt(clear, widest), l.lt(fresh, clear));
         let start = l.max(l.min(clear, widest), fresh);
         let over = l.mul(start, l.splat(enclosing.rise as f32));
         let over = l.select(follows, over, l.splat(VERY_HIGH));
-        Some(Begin {
-            known: l.mask(known),
-            start,
-            over,
-        })
+        Some(Begin { known, start, over })
+    }
+
+    /// Which rays of the group that begins at lane `first` lie between some of an earlier step, and up to where they are
+    /// clear by these.
+    #[inline(always)]
+    fn clear_between(
+        &self,
+        step: u32,
+        enclosing: &Enclosing,
+        first: i32,
+        scratch: &Scratch,
+    ) -> (L::M, L::F) {
+        let l = self.l;
+        let before = step - enclosing.steps as u32;
+        let lanes = scratch.lanes[before as usize % MEMORY];
+        let [from, to] = enclosing.lanes;
+        let known = same_lanes(lanes, first + from) & same_lanes(lanes, first + to);
+        let mut clear = l.splat(f32::INFINITY);
+        for aside in from..=to {
+            let at = (self.slot(before) + MARGIN) as i32 + first + aside;
+            let reached = l.load(group(&scratch.reached, at as usize));
+            let inside = l.load(group(&scratch.clear, at as usize));
+            clear = l.min(clear, l.min(l.abs(reached), inside));
+        }
+        (l.mask(known), clear)
+    }
+
+    /// Writes to the places of a step's rays up to where they are clear by those between which they lie, or [`UNKNOWN`];
+    /// and that nothing is known to rise in their own strips.
+    #[inline(always)]
+    pub(super) fn take_over_between(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
+        let l = self.l;
+        let towards = self.towards(step);
+        let farthest = l.splat(scratch.strips.widths().farthest());
+        for first in (lanes[0]..lanes[1]).step_by(BLOCK) {
+            let behind = lanes[1].min(first + BLOCK as i32);
+            let of_block = self.enclosing(step, towards, [first, behind - 1], scratch);
+            for first in (first..behind).step_by(LANES) {
+                let ends = [first, behind.min(first + LANES as i32) - 1];
+                let enclosing = match of_block {
+                    None => self.enclosing(step, towards, ends, scratch),
+                    some => some,
+                };
+                let clear = match enclosing {
+                    Some(enclosing) => {
+                        let (known, clear) = self.clear_between(step, &enclosing, first, scratch);
+                        l.select(known, l.min(clear, farthest), l.splat(UNKNOWN))
+                    }
+                    None => l.splat(UNKNOWN),
+                };
+                let at = self.slot(step) + MARGIN + first as usize;
+                l.store(clear, group_mut(&mut scratch.reached, at));
+                l.store(l.splat(f32::INFINITY), group_mut(&mut scratch.clear, at));
+            }
+        }
     }
 }
