@@ -67,6 +67,9 @@ pub(in crate::planes) struct Scratch {
     pub(super) pixels: PixelBlock,
     #[cfg(debug_assertions)]
     left_sky: bool,
+    /// How many sectors have been begun.
+    #[cfg(debug_assertions)]
+    begun: usize,
 }
 
 impl Scratch {
@@ -166,6 +169,14 @@ impl Scratch {
             &mut self.slope,
         ] {
             numbers.grow(room * MEMORY + BLOCK);
+            // What stands for numbers that have been left of other casts. Three, as sectors are often so many that each
+            // would have the same one of two in every cast.
+            #[cfg(debug_assertions)]
+            numbers.fill([0.0, f32::NAN, 2.5][self.begun % 3]);
+        }
+        #[cfg(debug_assertions)]
+        {
+            self.begun += 1;
         }
         for sky in &mut self.sky {
             if sky.room() < room {

@@ -63,8 +63,7 @@ impl StripsKept {
         self.from.is_some()
     }
 
-    /// Whether rays that keep them may take patches over: only where they are narrow is all that lies in them known
-    /// with a cell.
+    /// Whether rays keep them that are wide: then a ray's own cell does not tell all that lies in its strip.
     pub(super) fn are_wide(&self) -> bool {
         self.are_kept() && self.are_wide
     }
