@@ -3,6 +3,7 @@
 mod carry;
 mod directions;
 mod fans;
+mod left;
 mod look_back;
 mod predecessor;
 mod recolour;
@@ -17,8 +18,9 @@ pub(super) use recolour::{reaches, recolour_sector};
 pub(super) use scratch::{BLOCK, Scratch};
 pub(super) use survey::{begins, looks};
 
-use self::carry::{Carrying, Share};
+use self::carry::Carrying;
 use self::directions::STEEP;
+use self::left::Share;
 use self::scratch::{MARGIN, MEMORY};
 use super::climb::climb;
 use super::coarser::Coarser;
@@ -162,7 +164,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             tally.rays(step, led[0], led[1] - led[0]);
             if carries {
                 march.carry(step, led, before, canvas, scratch);
-                for (at, rays) in march.carried(step, led, scratch) {
+                for (at, rays) in march.told(step, led, scratch) {
                     tally.cells_of(at as i32, rays);
                 }
                 march.close_up(step, led, scratch);

@@ -1,6 +1,6 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
-use super::carry::Left;
+use super::left::Left;
 use super::look_back::Before;
 use super::predecessor::Steep;
 use super::sky::SkyLanes;

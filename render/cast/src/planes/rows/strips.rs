@@ -5,8 +5,8 @@
 //! which they have looked at on their way.
 
 use super::March;
-use super::carry::UNKNOWN;
 use super::directions::Directions;
+use super::left::UNKNOWN;
 use super::predecessor::Runs;
 use super::scratch::{BLOCK, FARTHEST, MARGIN, MEMORY, Scratch};
 use super::set_out::{Begin, Stay, VERY_HIGH};
