@@ -122,6 +122,15 @@ const AHEAD: f32 = 20.0;
 /// Rows of posts from a step to the next from which on too many would be asked for in vain.
 const MOST_ROWS: f64 = 4.0;
 
+/// Of which lanes memory is asked for: of every second one, as neighbours lie close by. What rays pass that run along
+/// a row of posts lies side by side, so that a line of the processor's cache has it for some steps; there it is asked
+/// for every few of these, but for all lanes, as each has a row of its own. Up to so many cells from a step to the next.
+const NONE: usize = 0;
+const ALL: usize = 1;
+const SECOND: usize = 2;
+const EVERY_STEP: u32 = 4;
+const ALONG_ROW: f64 = 2.0;
+
 impl<'a> Shader<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, sector: &'a Sector, field: &'a Field<'a>) -> Self {
         let [x, y] = field.x_y().map(|axis| axis.sign);
@@ -161,10 +170,37 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Of every how many lanes memory is asked for ahead of a chunk's hits; or of none.
+    #[inline(always)]
+    fn asks_every(&self, chunk: &Chunk<'_>) -> usize {
+        if !self.asks_ahead {
+            return NONE;
+        }
+        let runs_along = self.sector.major == 0;
+        if !runs_along || self.cells_to_next(chunk, chunk.count / 2) > ALONG_ROW {
+            return SECOND;
+        }
+        if chunk.step.is_multiple_of(EVERY_STEP) {
+            ALL
+        } else {
+            NONE
+        }
+    }
+
+    /// How many cells the ray of the step behind that of lane `at` goes further, where the ground is level.
+    #[inline(always)]
+    fn cells_to_next(&self, chunk: &Chunk<'_>, at: usize) -> f64 {
+        let from = chunk.directions.at(chunk.step, chunk.first + at as i32);
+        let to = from + chunk.directions.step;
+        // By how much more of itself than the first ray's slope the second one's is higher: one division.
+        let rise = (to.z * from.x - from.z * to.x) / (to.x * from.z.abs());
+        f64::from(chunk.reached[at].abs()) * rise
+    }
+
     /// Asks for the ground that the next step's rays will meet behind a group's hits: as many rows
     /// of posts as they will pass.
     #[inline(always)]
-    fn prefetch<L: Lanes>(
+    fn prefetch<L: Lanes, const EVERY: usize>(
         &self,
         l: L,
         chunk: &Chunk<'_>,
@@ -173,15 +209,16 @@ impl<'a> Shader<'a> {
         reached: L::F,
         advance: L::F,
     ) {
-        let from = chunk.directions.at(chunk.step, chunk.first + at as i32);
-        let to = from + chunk.directions.step;
-        // By how much more of itself than the first ray's slope the second one's is higher: one division.
-        let rise = (to.z * from.x - from.z * to.x) / (to.x * from.z.abs());
-        let rows = f64::from(chunk.reached[at].abs()) * rise;
+        let rows = self.cells_to_next(chunk, at);
         if rows > MOST_ROWS {
             return;
         }
-        let rows = rows.max(1.0) as u32;
+        // Along a row there is but one.
+        let rows = if EVERY == ALL {
+            1
+        } else {
+            rows.max(1.0) as u32
+        };
         let none = l.splat(0.0);
         let mut places = [0; LANES];
         for row in 0..rows {
@@ -189,7 +226,7 @@ impl<'a> Shader<'a> {
             let t = l.select(hit, t, none);
             let place = self.field.place(l, self.field.cell_at(l, t, advance));
             l.store_i(place, &mut places);
-            l.prefetch::<_, 2>(&self.field.heights.items, &places, 0);
+            l.prefetch::<_, EVERY>(&self.field.heights.items, &places, 0);
             if let Some(photo) = &self.photo {
                 let aside = l.mul(t, advance);
                 let advances = if self.sector.major == 0 {
@@ -200,11 +237,11 @@ impl<'a> Shader<'a> {
                 let (x, _) = photo.x.locate(l, advances[0]);
                 let (y, _) = photo.y.locate(l, advances[1]);
                 l.store_i(photo.tiles.place(l, x, y), &mut places);
-                l.prefetch::<_, 2>(&photo.tiles.items, &places, 0);
+                l.prefetch::<_, EVERY>(&photo.tiles.items, &places, 0);
             } else if let Some(photo) = &self.textures[0] {
                 let (located, _) = photo.locate_small(l, hit, photo.pixels_to(l, t, advance));
                 l.store_i(located.at, &mut places);
-                l.prefetch::<_, 2>(&photo.frame.tiles.items, &places, 0);
+                l.prefetch::<_, EVERY>(&photo.frame.tiles.items, &places, 0);
             }
         }
     }
@@ -222,16 +259,19 @@ impl<'a> Shader<'a> {
         colours: &mut [i32],
         depths: &mut [f32],
     ) -> bool {
-        let sees_sky = if self.asks_ahead {
-            l.vectorize(
+        let sees_sky = match self.asks_every(chunk) {
+            NONE => l.vectorize(
                 #[inline(always)]
-                || self.locate::<L, true>(l, chunk, shading, depths),
-            )
-        } else {
-            l.vectorize(
+                || self.locate::<L, NONE>(l, chunk, shading, depths),
+            ),
+            ALL => l.vectorize(
                 #[inline(always)]
-                || self.locate::<L, false>(l, chunk, shading, depths),
-            )
+                || self.locate::<L, ALL>(l, chunk, shading, depths),
+            ),
+            _ => l.vectorize(
+                #[inline(always)]
+                || self.locate::<L, SECOND>(l, chunk, shading, depths),
+            ),
         };
         if let Some(photo) = &self.photo {
             l.vectorize(
@@ -318,10 +358,10 @@ impl<'a> Shader<'a> {
         l.sqrt(l.add(square, l.mul(slope, slope)))
     }
 
-    /// Finds depths, and where the colours of hits are; gives whether some see the sky. Whether it `ASKS` for memory
-    /// ahead is known where it is compiled, as that needs many registers.
+    /// Finds depths, and where the colours of hits are; gives whether some see the sky. Of `EVERY` how many lanes
+    /// memory is asked for ahead is known where it is compiled, as that needs many registers.
     #[inline(always)]
-    fn locate<L: Lanes, const ASKS: bool>(
+    fn locate<L: Lanes, const EVERY: usize>(
         &self,
         l: L,
         chunk: &Chunk<'_>,
@@ -344,18 +384,18 @@ impl<'a> Shader<'a> {
         let mut sees_sky = 0;
         let whole = chunk.count / LANES;
         for number in 0..whole {
-            sees_sky |= self.locate_group::<L, ASKS>(l, chunk, &mut locating, number, u16::MAX);
+            sees_sky |= self.locate_group::<L, EVERY>(l, chunk, &mut locating, number, u16::MAX);
         }
         if whole < count {
             let mask = chunk.mask(whole * LANES);
-            sees_sky |= self.locate_group::<L, ASKS>(l, chunk, &mut locating, whole, mask);
+            sees_sky |= self.locate_group::<L, EVERY>(l, chunk, &mut locating, whole, mask);
         }
         sees_sky != 0
     }
 
     /// As `locate`, of the group with a number, of which the lanes of `mask` are there; gives those that see the sky.
     #[inline(always)]
-    fn locate_group<L: Lanes, const ASKS: bool>(
+    fn locate_group<L: Lanes, const EVERY: usize>(
         &self,
         l: L,
         chunk: &Chunk<'_>,
@@ -374,8 +414,8 @@ impl<'a> Shader<'a> {
         let sky = mask & !hits;
         locating.sky[number] = sky;
         let mut on = 0;
-        if ASKS && hits != 0 {
-            self.prefetch(l, chunk, number * LANES, hit, reached, advance);
+        if EVERY != NONE && hits != 0 {
+            self.prefetch::<L, EVERY>(l, chunk, number * LANES, hit, reached, advance);
         }
         if let Some(photo) = &self.photo
             && hits != 0
