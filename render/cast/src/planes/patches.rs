@@ -186,6 +186,8 @@ pub(super) struct Path<L: Lanes> {
     pub(super) is_in: L::M,
     /// How far the line behind it lies along the axis that it crosses; negative along the minor one.
     pub(super) line: L::F,
+    /// The clearance where they are, in metres: below 0 in the ground.
+    pub(super) over: L::F,
     /// How far the lines behind it lie.
     to_major: L::F,
     to_minor: L::F,
@@ -230,9 +232,7 @@ impl<L: Lanes> Path<L> {
             l.mul(patch.by_minor, major_left),
             l.mul(minor_left, falls_minor),
         );
-        let here = l.sub(l.sub(l.mul(t, slope), patch.corner), height);
-        // One that is below the ground has only just come down.
-        let here = l.max(here, zero);
+        let over = l.sub(l.sub(l.mul(t, slope), patch.corner), height);
         let falls = l.add(falls_major, l.mul(advance, falls_minor));
         let half_rate = l.mul(l.add(slope, falls), l.splat(0.5));
         let bend = l.mul(patch.twist, advance);
@@ -240,22 +240,41 @@ impl<L: Lanes> Path<L> {
         Self {
             is_in,
             line: l.select(crosses_major, to_major, l.sub(zero, to_minor)),
+            over,
             to_major,
             to_minor,
             major_left,
             minor_left,
             fall: Fall {
-                here,
+                // One that is below the ground has only just come down.
+                here: l.max(over, zero),
                 half_rate,
                 bend,
             },
         }
     }
 
+    /// Where rays of `mask`, which are at t and clear so far, end in the cell; or, where they do not, the line behind it
+    /// on which they go on. Of others, what is given. And which rays do not end here.
+    #[inline(always)]
+    pub(super) fn tell(
+        &self,
+        l: L,
+        mask: L::M,
+        advance: L::F,
+        t: L::F,
+        others: L::F,
+    ) -> (L::F, u16) {
+        let (hit, further) = self.find(l, advance);
+        let hit = l.and(mask, hit);
+        let from = l.select(mask, self.line, others);
+        (l.select(hit, l.add(t, further), from), !l.bits(hit))
+    }
+
     /// Which rays meet the ground in the cell, and how much further on, if they are clear here: as
     /// [`meet`](super::walk::meet) finds it.
     #[inline(always)]
-    pub(super) fn find(&self, l: L, advance: L::F) -> (L::M, L::F) {
+    fn find(&self, l: L, advance: L::F) -> (L::M, L::F) {
         // A ray that is clear here, and whose clearance does not come down to 0 in the cell, is clear up to its end.
         let further = self.fall.first_zero(l);
         let in_major = l.le(further, self.major_left);

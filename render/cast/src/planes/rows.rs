@@ -2,6 +2,7 @@
 
 mod carry;
 mod directions;
+mod extrapolate;
 mod fans;
 mod left;
 mod look_back;
@@ -162,8 +163,18 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
                 march.look_back(step, led, ahead, scratch, before);
             }
             tally.rays(step, led[0], led[1] - led[0]);
-            if carries {
-                march.carry(step, led, before, canvas, scratch);
+            // Those before rays that carry on keep what ground they meet.
+            let are_foretold = step > 1
+                && !frame.coarsens
+                && !keeps_strips
+                && !scratch.keeps_patches
+                && before.foretells((led[1] - led[0]) as usize);
+            if carries || are_foretold {
+                if carries {
+                    march.carry(step, led, before, canvas, scratch);
+                } else {
+                    march.extrapolate(step, led, before, canvas, scratch);
+                }
                 for (at, rays) in march.told(step, led, scratch) {
                     tally.cells_of(at as i32, rays);
                 }

@@ -362,24 +362,22 @@ pub(super) fn cross<L: Lanes>(
     let zero = l.splat(0.0);
     let major_line = l.splat(1.0 - field.major.fraction);
     let minor_line = l.splat(1.0 - field.minor.fraction);
-    let eye = l.splat(field.eye_height);
-    let eye_rest = l.splat(field.eye_rest);
-    let [near, far_major, far_minor, both] = corners::<L>(field, posts);
     // Where the lines behind the cell lie.
     let to_major = l.add(l.to_float(major), major_line);
     let to_minor = l.add(l.to_float(minor), minor_line);
-    // Heights over the corner that is far along both; and of that over the eye, as near to
-    // the truth as if it had more digits.
-    let corner = l.sub(l.sub(both, eye), eye_rest);
-    let by_minor = l.sub(far_minor, both);
-    let by_major = l.sub(far_major, both);
-    let by_none = l.sub(near, both);
+    let patch = patch(l, field, packed(l, [major, minor]), posts);
+    let Patch {
+        corner,
+        by_minor,
+        by_major,
+        twist,
+        ..
+    } = patch;
     // The clearance at t. Far away t is rounded by so much that a ray may stand before the line over which it
     // came into the cell; a cliff that goes down behind that line would be as much higher there.
     let one = l.splat(1.0);
     let major_left = l.min(l.sub(to_major, t), one);
     let minor_left = l.min(l.sub(to_minor, l.mul(t, ray.advance)), one);
-    let twist = l.sub(l.sub(by_none, by_major), by_minor);
     let falls_minor = l.add(by_major, l.mul(twist, major_left));
     let height = l.add(l.mul(by_minor, major_left), l.mul(minor_left, falls_minor));
     let clearance = l.sub(l.sub(l.mul(t, ray.slope), corner), height);
@@ -413,14 +411,26 @@ pub(super) fn cross<L: Lanes>(
             bend,
         },
     };
-    let patch = Patch {
-        cell: packed(l, [major, minor]),
-        corner,
+    (crossing, patch)
+}
+
+/// The ground in mirrored cells with names and `posts`.
+#[inline(always)]
+pub(super) fn patch<L: Lanes>(l: L, field: &Field<'_>, cell: L::I, posts: [L::F; 4]) -> Patch<L> {
+    let eye = l.splat(field.eye_height);
+    let eye_rest = l.splat(field.eye_rest);
+    let [near, far_major, far_minor, both] = corners::<L>(field, posts);
+    let by_minor = l.sub(far_minor, both);
+    let by_major = l.sub(far_major, both);
+    let by_none = l.sub(near, both);
+    Patch {
+        cell,
+        // As near to the truth as if it had more digits.
+        corner: l.sub(l.sub(both, eye), eye_rest),
         by_minor,
         by_major,
-        twist,
-    };
-    (crossing, patch)
+        twist: l.sub(l.sub(by_none, by_major), by_minor),
+    }
 }
 
 /// Where rays that are at t in a cell meet the ground in it.

@@ -14,6 +14,22 @@ use crate::planes::patches::Path;
 use crate::planes::wave::{first_lanes, same_lanes};
 use glam::Vec3;
 
+/// Where rays begin that come over ground which `begins` so far along its axes: as [`further_on`] has it; of those of
+/// which no ray before tells, as it is.
+#[inline(always)]
+pub(super) fn begin_beside<L: Lanes>(
+    l: L,
+    clear: L::F,
+    further: f32,
+    begins: [L::F; 2],
+    inverse: L::F,
+) -> L::F {
+    // In this order: a ray along the major axis has no number there.
+    let enter = l.max(l.mul(begins[1], inverse), begins[0]);
+    let start = further_on(l, clear, further, enter, inverse);
+    l.select(l.le(l.splat(0.0), clear), start, clear)
+}
+
 impl<L: Lanes> March<'_, L> {
     /// Tells a step's rays what they meet if that is in their predecessors' cells, and marks the others
     /// in `scratch.left`.
@@ -51,13 +67,22 @@ impl<L: Lanes> March<'_, L> {
     }
 
     /// Whether the eye lies beside the ground, so that rays come over it somewhere.
-    fn begins_beside(&self) -> bool {
+    pub(super) fn begins_beside(&self) -> bool {
         self.bounds.iter().any(|[begin, _]| *begin > 0.0)
+    }
+
+    /// Where the ground begins along its axes: under the eye, if that is over it.
+    #[inline(always)]
+    pub(super) fn begins(&self) -> [L::F; 2] {
+        self.bounds.map(
+            #[inline(always)]
+            |[begin, _]| self.l.splat(begin.max(0.0)),
+        )
     }
 
     /// Finds the directions of the first rays of groups.
     #[inline(always)]
-    fn aim_groups(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
+    pub(super) fn aim_groups(&self, step: u32, lanes: [i32; 2], scratch: &mut Scratch) {
         let left = &mut *scratch.left;
         let count = ((lanes[1] - lanes[0]) as usize).div_ceil(LANES);
         let [major, minor, up] = &mut left.directions;
@@ -73,7 +98,7 @@ impl<L: Lanes> March<'_, L> {
     /// What tells a step's rays where they begin: all that differs from group to group, or from block to block, so
     /// that they then go through one loop.
     #[inline(always)]
-    fn take_over(
+    pub(super) fn take_over(
         &self,
         step: u32,
         lanes: [i32; 2],
@@ -157,10 +182,7 @@ impl<L: Lanes> March<'_, L> {
         let l = self.l;
         let aim = Aim::new(l, self.frame, self.directions.lane);
         let lines = Path::lines(l, &self.fields[0]);
-        let begins = self.bounds.map(
-            #[inline(always)]
-            |[begin, _]| l.splat(begin.max(0.0)),
-        );
+        let begins = self.begins();
         let width = scratch.strips.widths().by_t;
         let at = self.slot(step) + MARGIN + first as usize;
         let count = ((behind - first) as usize).div_ceil(LANES);
@@ -187,11 +209,7 @@ impl<L: Lanes> March<'_, L> {
             };
             let clear = l.load(&reached[k]);
             let start = if BESIDE {
-                let enter = l.mul(begins[1], inverse);
-                // In this order: a ray along the major axis has no number there.
-                let enter = l.max(enter, begins[0]);
-                let start = further_on(l, clear, further[k], enter, inverse);
-                l.select(l.le(l.splat(0.0), clear), start, clear)
+                begin_beside(l, clear, further[k], begins, inverse)
             } else {
                 l.mul(clear, l.splat(1.0 + further[k]))
             };
@@ -203,13 +221,9 @@ impl<L: Lanes> March<'_, L> {
                 l.store_where(rises, start, &mut clear_inside[k]);
             }
             passed[k] = l.bits(path.is_in);
-            let (hit, further) = path.find(l, advance);
-            let hit = l.and(path.is_in, hit);
-            // What is left goes on behind the cell, if the ray is clear that far.
-            let from = l.select(path.is_in, path.line, start);
-            let t = l.select(hit, l.add(start, further), from);
+            let (t, left) = path.tell(l, path.is_in, advance, start, start);
             l.store(t, &mut reached[k]);
-            masks[k] = !l.bits(hit);
+            masks[k] = left;
         }
         if let Some(last) = masks.last_mut() {
             *last &= first_lanes(behind - first - ((count - 1) * LANES) as i32);

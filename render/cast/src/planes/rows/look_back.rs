@@ -67,6 +67,14 @@ impl Before {
         self.blocks[lanes / BLOCK]
     }
 
+    /// Whether it is foretold of most of so many lanes where their rays end.
+    #[inline(always)]
+    pub(super) fn foretells(&self, lanes: usize) -> bool {
+        let blocks = &self.blocks[..lanes.div_ceil(BLOCK)];
+        let foretell = blocks.iter().flatten().filter(|before| before.foretells());
+        4 * foretell.count() >= 3 * blocks.len()
+    }
+
     /// Whether that was found for several steps.
     #[cfg(test)]
     pub(super) fn is_in_region(&self, lanes: usize) -> bool {

@@ -31,19 +31,27 @@ pub(super) struct Predecessor {
     pub(super) rise: f32,
     /// How much further at least they are clear than that one, times how far that is.
     pub(super) further: f32,
+    /// By how many metres their clearance grows at most for each 1 of t where they come out of ground; infinite where
+    /// they fall too little to be foretold by it.
+    pub(super) may_rise: f32,
 }
 
 /// Where rays fall by no more than this part of what ground rises towards them, they begin hardly further on.
 const GENTLE: f64 = 0.1;
 
+/// Where ground falls along rays by no more than so many times as much as they do, it is foretold where they end: where
+/// it might fall by more, too many of them may have met it before.
+const STEEPER: f64 = 2.0;
+
 /// How much further at least neighbours are clear than those before them, whose directions differ from theirs by
 /// `to`, times how far these came: where that is, they are over all ground by as much as `room` tells. From there
-/// on they fall, and ground rises towards them. The neighbours lie between those of `corners`.
+/// on they fall, and ground rises towards them. And by how much their clearance grows at most, as a [`Predecessor`] has
+/// it. The neighbours lie between those of `corners`.
 #[inline(always)]
-fn further<const C: usize>(steepest: Steep, corners: [DVec3; C], to: DVec3, room: f64) -> f64 {
+fn further<const C: usize>(steepest: Steep, corners: [DVec3; C], to: DVec3, room: f64) -> [f64; 2] {
     let numbers = |d: DVec3| {
         let square = d.x * d.x + d.y * d.y;
-        [-d.z, square, d.x * (d.x + to.x), d.x, -d.x]
+        [-d.z, d.z, square, d.x * (d.x + to.x), d.x, -d.x]
     };
     let mut most = numbers(corners[0]);
     for corner in &corners[1..] {
@@ -51,14 +59,29 @@ fn further<const C: usize>(steepest: Steep, corners: [DVec3; C], to: DVec3, room
             *most = most.max(number);
         }
     }
-    let [falls, square, span, most_major, minus_least_major] = most;
-    let closes = falls + steepest.gradient * square.sqrt();
+    let [
+        falls,
+        minus_least,
+        square,
+        span,
+        most_major,
+        minus_least_major,
+    ] = most;
+    let ground = steepest.gradient * square.sqrt();
+    let closes = falls + ground;
     let further = 0.99 * room * -minus_least_major / (span * closes).max(f64::MIN_POSITIVE);
-    if falls > GENTLE * steepest.gradient * most_major {
+    let further = if falls > GENTLE * steepest.gradient * most_major {
         further.clamp(0.0, 1.0)
     } else {
         0.0
-    }
+    };
+    let may_rise = (1.001 * ground + minus_least).max(0.0) / -minus_least_major;
+    let may_rise = if ground < -STEEPER * minus_least {
+        may_rise
+    } else {
+        f64::INFINITY
+    };
+    [further, may_rise]
 }
 
 /// So many runs of neighbours, from the first to the last of each, in a step and some behind it, and how steep the
@@ -107,6 +130,7 @@ pub(super) struct Predecessors<const N: usize> {
     room: [f64; N],
     rise: [f64; N],
     further: [f64; N],
+    may_rise: [f64; N],
 }
 
 impl<const N: usize> Predecessors<N> {
@@ -118,6 +142,7 @@ impl<const N: usize> Predecessors<N> {
             lanes: self.lanes[k] as i32,
             rise: self.rise[k] as f32,
             further: self.further[k] as f32,
+            may_rise: self.may_rise[k] as f32,
         })
     }
 
@@ -176,6 +201,7 @@ impl<L: Lanes> March<'_, L> {
             room: [0.0; N],
             rise: [0.0; N],
             further: [0.0; N],
+            may_rise: [0.0; N],
         };
         for steps in 1..=most.min(step as usize) {
             let back = steps as f64;
@@ -212,7 +238,7 @@ impl<L: Lanes> March<'_, L> {
                 gradient: runs.gradient[k],
             };
             found.rise[k] = a.min(b);
-            found.further[k] = further(steepest, corners, to, found.room[k]);
+            [found.further[k], found.may_rise[k]] = further(steepest, corners, to, found.room[k]);
         }
         found
     }
@@ -331,6 +357,23 @@ impl<L: Lanes> March<'_, L> {
         let coarsest = self.steepest.len() - 1;
         let level = (covered.to_bits() >> 23) as usize - 127;
         steep(self.steepest[level.min(coarsest)])
+    }
+}
+
+#[cfg(test)]
+impl<L: Lanes> March<'_, L> {
+    /// The t at which a lane's ray ends in an image of the view: infinite where it sees the sky.
+    pub(super) fn end_in(&self, image: &crate::Image, step: u32, lane: i32) -> f64 {
+        let [i, j] = self.sector.pixel(step, lane);
+        let depth = image.depth[(j * self.frame.rays.size[0] + i) as usize];
+        let d = self.directions.at(step, lane);
+        let spacing = self.frame.ground.grid().spacing;
+        let metres = if self.sector.major == 0 {
+            DVec3::new(spacing.x, spacing.y, 1.0)
+        } else {
+            DVec3::new(spacing.y, spacing.x, 1.0)
+        };
+        f64::from(depth) * d.x / (d * metres).length()
     }
 }
 
@@ -471,13 +514,6 @@ mod tests {
             for sector in &frame.sectors {
                 let march = March::new(Portable, &frame, sector, 0);
                 let [major, minor] = march.bounds;
-                let metres = DVec3::new([1.0, 1.3][sector.major], [1.3, 1.0][sector.major], 1.0);
-                let hit = |step: u32, lane: i32| {
-                    let [i, j] = sector.pixel(step, lane);
-                    let depth = image.depth[(j * view.size[0] + i) as usize];
-                    let d = march.directions.at(step, lane);
-                    f64::from(depth) * d.x / (d * metres).length()
-                };
                 let mut check =
                     |of: usize, step: u32, [first, last]: [i32; 2], before: Predecessor| {
                         let before_step = step - before.steps.get();
@@ -488,7 +524,8 @@ mod tests {
                                 continue;
                             }
                             let d = march.directions.at(step, lane);
-                            let (t, end) = (hit(before_step, lane_before), hit(step, lane));
+                            let [t, end] = [(before_step, lane_before), (step, lane)]
+                                .map(|(step, lane)| march.end_in(&image, step, lane));
                             let aside = t * d.y / d.x;
                             // It may have met the ground's side.
                             let entered =

@@ -1,5 +1,6 @@
 //! What a thread needs to cast a sector: the last steps' rays and those on their way.
 
+use super::extrapolate::Foretold;
 use super::left::Left;
 use super::look_back::Before;
 use super::predecessor::Steep;
@@ -44,6 +45,7 @@ pub(in crate::planes) struct Scratch {
     pub(super) keeps_patches: bool,
     /// A step's rays for whose ends it takes more than that.
     pub(super) left: Box<Left>,
+    pub(super) foretold: Box<Foretold>,
     /// What the planes of a fan see, in a row for each step: colours (of which the fourth byte tells
     /// the ground's share, and the others the light of that share) and, as the bits of a float, one
     /// over how many of its direction's lengths away the ground is (0 where it is sky).
