@@ -91,7 +91,8 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
     let shader = Shader::new(frame, sector, &march.fields[0]);
     // A pixel's footprint is seen by its neighbours of the steps before and behind.
     let lag = u32::from(frame.detail.is_some());
-    let can_carry = !frame.coarsens && Patches::can_name(&march.fields[0]);
+    // Else rays cannot be told in which cells they end.
+    let can_name = !frame.coarsens && Patches::can_name(&march.fields[0]);
     let unfinished = if march.fields[0].ahead.is_some() {
         UNFINISHED_OVER_LARGE
     } else {
@@ -135,7 +136,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             // No rays have kept theirs yet, between which this step's might begin.
             carrying = Carrying::default();
         }
-        let may_carry = can_carry && !scratch.strips.are_wide();
+        let may_carry = can_name && !scratch.strips.are_wide();
         let carries = may_carry && carrying.begin(&march, step, scratch);
         scratch.patches.set_step(step);
         let mut left = Share::default();
@@ -165,7 +166,7 @@ pub(super) fn cast_sector<L: Lanes, T: Tally>(
             tally.rays(step, led[0], led[1] - led[0]);
             // Those before rays that carry on keep what ground they meet.
             let are_foretold = step > 1
-                && !frame.coarsens
+                && can_name
                 && !keeps_strips
                 && !scratch.keeps_patches
                 && before.foretells((led[1] - led[0]) as usize);
