@@ -235,30 +235,45 @@ mod tests {
     use glam::{DVec2, DVec3};
     use sandtable_terrain::Ground;
     use sandtable_view::{Attitude, Camera};
+    use std::sync::Arc;
+
+    /// Ground of 260 × 260 posts with ridges one post wide.
+    fn ridges(k: u32) -> Arc<Scene> {
+        let is_ridge = |line: u32| ((line + k) * 37 % 101).is_multiple_of(2 + k % 7);
+        let height = |col: u32, row: u32| {
+            let ridge = f64::from(is_ridge(col) || is_ridge(row + 40));
+            let [x, y] = [col, row].map(f64::from);
+            let rise = 0.5 + 0.1 * f64::from(k);
+            (0.3 * (0.3 * x + 0.2 * y).sin() + rise * ridge) as f32
+        };
+        let ground = Ground::from_fn(260, 260, DVec2::new(1.0, 1.2), height);
+        Scene::new(ground.expect("a sound grid"))
+    }
 
     /// From over ridges that fall by more than some rays do, what rays are told is what brute force finds; and those that
     /// are told nothing begin before that.
     #[test]
     fn rays_are_told_where_they_first_meet_the_ground() {
-        let is_ridge = |line: u32| (line * 37 % 101).is_multiple_of(4);
-        let ridges = |col: u32, row: u32| {
-            let ridge = f64::from(is_ridge(col) || is_ridge(row + 40));
-            let [x, y] = [col, row].map(f64::from);
-            (0.3 * (0.3 * x + 0.2 * y).sin() + 1.1 * ridge) as f32
-        };
-        let ground = Ground::from_fn(260, 260, DVec2::new(1.0, 1.2), ridges);
-        let scene = Scene::new(ground.expect("a sound grid"));
-        let prepared = PlanesScene::new(Isa::best(), None, scene.clone());
         let pool = CastPool::new(2).expect("threads");
         let mut scratch = Scratch::default();
         let (mut told, mut left, mut steep) = (0, 0, 0);
-        let attitudes = [(-1.57, 0.0), (-1.3, 0.6), (-1.0, 0.1), (-1.1, 2.0)];
+        let attitudes = [[-1.57, 0.0], [-1.3, 0.6], [-1.0, 0.1], [-1.1, 2.0]];
         // The ground ends before the one, and on all sides of the other.
         let eyes = [
             DVec3::new(40.3, 140.7, 80.0),
             DVec3::new(131.0, 133.3, 150.0),
         ];
-        for (eye, (pitch, roll)) in eyes.into_iter().flat_map(|eye| attitudes.map(|a| (eye, a))) {
+        let heads = eyes.map(|eye| attitudes.map(|attitude| (eye, attitude)));
+        // Ridges closer by and farther apart, lower and higher, in pixels of about a cell's width and wider ones.
+        let grounds = (0..20).map(|k| (ridges(k), [60 + 17 * (k % 7), 120]));
+        let views = grounds.flat_map(|of| {
+            heads
+                .as_flattened()
+                .iter()
+                .map(move |&head| (of.clone(), head))
+        });
+        for ((scene, size), (eye, [pitch, roll])) in views {
+            let prepared = PlanesScene::new(Isa::best(), None, scene.clone());
             let camera = Camera {
                 eye,
                 attitude: Attitude {
@@ -268,7 +283,7 @@ mod tests {
                 },
                 horizontal_fov: 1.3,
             };
-            let view = camera.view([160, 120]);
+            let view = camera.view(size);
             let truth = pool.picture(&Brute, &scene, view).expect("a proper view");
             let frame = prepared.frame(&view).expect("a proper view");
             let mut image = Image::default();
@@ -314,7 +329,11 @@ mod tests {
                     }
                     for lane in lanes[0]..lanes[1] {
                         let at = march.slot(step) + MARGIN + lane as usize;
-                        scratch.reached[at] = march.end_in(&truth, step, lane).min(1e4) as f32;
+                        let d = march.directions.at(step, lane);
+                        let [[_, major], [_, minor]] = march.bounds.map(|of| of.map(f64::from));
+                        let leave = major.min(minor * d.x / d.y);
+                        let end = march.end_in(&truth, step, lane);
+                        scratch.reached[at] = if end < leave { end } else { -leave } as f32;
                     }
                 }
                 scratch.befores = befores;
