@@ -141,7 +141,7 @@ impl<L: Lanes> March<'_, L> {
         let field = &self.fields[0];
         let aim = Aim::new(l, self.frame, self.directions.lane);
         let begins = self.begins();
-        // Where the lines before cell 0 lie: to the last bit as they do behind the cell before.
+        // Of the lines behind cell 0: the lines before a cell lie, to the last bit, where they do behind the one before it.
         let [major_line, minor_line] = Path::lines(l, field);
         let at = self.slot(step) + MARGIN + first as usize;
         let count = ((behind - first) as usize).div_ceil(LANES);
